@@ -185,6 +185,79 @@ TEST(NetworkDevice, DropsEveryKindOfMalformedPacketAndCountsIt) {
   EXPECT_EQ(input.state, DeviceState::kLive) << "rubbish between good packets harms nobody";
 }
 
+/// The bytes of a good packet with its numbers' bytes turned around, as a sender in network byte order writes them.
+std::vector<std::byte> bigEndian(const DevicePacket& packet) {
+  const auto bytes = bytesOf(packet);
+  std::vector<std::byte> turned(bytes.begin(), bytes.end());
+  const auto turn = [&turned](std::size_t from, std::size_t size) {
+    std::reverse(turned.begin() + static_cast<std::ptrdiff_t>(from),
+                 turned.begin() + static_cast<std::ptrdiff_t>(from + size));
+  };
+  turn(4, 2);
+  turn(6, 2);
+  turn(8, 4);
+  turn(12, 4);
+  for (std::size_t from = 16; from < turned.size(); from += 8) {
+    turn(from, 8);
+  }
+  return turned;
+}
+
+std::vector<std::byte> textBytes(std::string_view text) {
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(NetworkDevice, DescribesAMalformedPacket) {
+  const auto whole = bytesOf(packet(2));
+  const auto with = [&whole](std::size_t offset, auto value) {
+    std::vector<std::byte> bytes(whole.begin(), whole.end());
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
+    return bytes;
+  };
+  std::vector<std::byte> signed_packet(whole.begin(), whole.end());
+  signed_packet.resize(DevicePacket::kBytes + PacketKey::kTagBytes);
+  const std::vector<std::pair<std::vector<std::byte>, const char*>> packets{
+      {textBytes(R"({"position": [0, 0, 0.1], "force": [0, 0, 0]})"),
+       R"(45 bytes of text, '{"position": [0, 0, 0.1]...')"},
+      {bigEndian(packet(2)), "little-endian"},
+      {with(0, std::array{'V', 'D', 'L', 'H'}), "little-endian"},
+      {{whole.begin(), whole.begin() + 72}, "72 bytes: must be 136"},
+      {signed_packet, "--device-key-file"},
+      {with(0, std::array{'H', 'L', 'A', 'N'}), "136 bytes that begin with 'HLAN' instead of HLDV"},
+      {with(4, std::uint16_t{2}), "format version 2: must be 1"},
+      {with(24, std::numeric_limits<double>::quiet_NaN()), "NaN"},
+      {with(48, 1.02), "unit length"},
+      {with(80, 101.0), "velocity within 100 m/s"},
+      {{}, "an empty packet"}};
+  for (const auto& [bytes, words] : packets) {
+    NetworkDevice device(kAnyPort, kPatient);
+    const UdpClient client(device.port());
+    EXPECT_THAT(device.inputWarnings(), testing::IsEmpty());
+    client.send(bytes);
+    client.send(bytes);
+    (void)readUntilSeen(device, 2);
+    EXPECT_THAT(device.inputWarnings(), testing::ElementsAre(testing::HasSubstr(words)));
+  }
+}
+
+TEST(NetworkDevice, WarnsOfEachKindOnceAndCountsAll) {
+  NetworkDevice device(kAnyPort, kPatient);
+  const UdpClient client(device.port());
+  const UdpClient other(device.port());
+  client.send(packet(1));
+  (void)readUntilSeen(device, 1);
+  other.send(packet(1));
+  other.send(packet(2));
+  (void)readUntilSeen(device, 3);
+  client.send(textBytes("hello"));
+  client.send(packet(1));
+  (void)readUntilSeen(device, 5);
+  EXPECT_THAT(device.inputWarnings(), testing::ElementsAre(testing::HasSubstr("a second sender, 127.0.0.1:"),
+                                                           testing::HasSubstr("5 bytes of text, 'hello'")));
+  EXPECT_EQ(device.inputSummary(), "1 taken, 1 of wrong size, 1 late or repeated, 2 of other senders");
+}
+
 TEST(NetworkDevice, LateAndRepeatedPacketsAreDropped) {
   NetworkDevice device(kAnyPort, kPatient);
   const UdpClient client(device.port());

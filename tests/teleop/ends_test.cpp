@@ -253,7 +253,21 @@ TEST_F(Ends, RubbishIsCountedAndDropped) {
     port.send(to_, Packet(size, 0x48));
   }
   EXPECT_TRUE(until([&] { return server_->counts().malformed == 5; }, nullptr));
+  EXPECT_EQ(server_->counts().first_malformed, "an empty packet");
   EXPECT_EQ(server_->counts().taken, 0U);
+}
+
+TEST(MalformedPackets, AreDescribed) {
+  const auto bytes_of = [](std::string_view text) { return Packet(text.begin(), text.end()); };
+  EXPECT_EQ(describeMalformedCommand(bytes_of("move 0.1 0 0\n")), "13 bytes of text, 'move 0.1 0 0.'");
+  EXPECT_THAT(describeMalformedCommand(bytes_of(std::string("HLTC\0\1", 6) + std::string(90, '\0'))),
+              HasSubstr("little-endian"));
+  EXPECT_THAT(describeMalformedCommand(bytes_of(std::string("HLTC\1\0", 6) + std::string(90, '\0'))),
+              HasSubstr("truncated"));
+  EXPECT_THAT(describeMalformedCommand(bytes_of(std::string("HLTS\1\0", 6) + std::string(90, '\0'))),
+              HasSubstr("begin with 'HLTS' instead of HLTC"));
+  EXPECT_THAT(describeMalformedReport(bytes_of(std::string("HLTM\2\0", 6) + std::string(90, '\0'))),
+              HasSubstr("version 2"));
 }
 
 TEST_F(Ends, NobodyListensBeyondThisMachineWithoutAKey) {

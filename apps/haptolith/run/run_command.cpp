@@ -268,6 +268,7 @@ struct RunSummary {
   std::uint64_t lost_records;
   std::optional<FinestGrain> finest;  ///< what was chosen for this machine
   std::string advice;                 ///< what to do about missed deadlines; empty: nothing
+  std::string device_input;           ///< counts of the device's input; empty: none
 };
 
 /// How to open the same scene with soil that is a little coarser.
@@ -330,6 +331,7 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
           {"torque_nm", statisticsJson(statistics.torqueNm())},
           {"largest_speed_m_s", scene.bed().largestSpeed()},
           {"lost_records", summary.lost_records},
+          {"device_input", summary.device_input.empty() ? Json(nullptr) : Json(summary.device_input)},
           {"state_hash", fmt::format("{:016x}", scene.bed().hash())},
           {"realtime",
            {{"scheduler", summary.real_time.scheduler},
@@ -384,6 +386,7 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "  deadlines  {deadlines}; {scheduler}{cpu}, memory {locked}\n"
       "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
       "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
+      "{packets}"
       "  state      {hash:016x}\n",
       fmt::arg("title", scenario.title), fmt::arg("grains", grainsText(scene.bed())),
       fmt::arg("awake", scene.bed().awake()), fmt::arg("soil", soilText(scenario)),
@@ -400,6 +403,7 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       fmt::arg("fmean", s.forceN().mean()), fmt::arg("fp99", s.forceN().percentile(0.99)),
       fmt::arg("fmax", s.forceN().max()), fmt::arg("mmean", s.torqueNm().mean()),
       fmt::arg("mp99", s.torqueNm().percentile(0.99)), fmt::arg("mmax", s.torqueNm().max()),
+      fmt::arg("packets", summary.device_input.empty() ? "" : fmt::format("  packets    {}\n", summary.device_input)),
       fmt::arg("hash", scene.bed().hash()));
 }
 
@@ -519,8 +523,12 @@ void run(const RunOptions& options) {
   const LoopEnd end = session.join();
   follower.follow(session, driver.look());
   const RunSummary summary{
-      end, session.realTime(), taker ? taker->lost() : 0, finest,
-      scenario.loop.paced ? deadlineAdvice(session.loop().statistics(), coarserSoil(options, session.shown())) : ""};
+      end,
+      session.realTime(),
+      taker ? taker->lost() : 0,
+      finest,
+      scenario.loop.paced ? deadlineAdvice(session.loop().statistics(), coarserSoil(options, session.shown())) : "",
+      session.device().inputSummary()};
   follower.finish(summary.end, session.loop().time());
   driver.tellTheRest();
   if (figure) {

@@ -49,7 +49,16 @@ const SessionDriver::News& SessionDriver::look() {
     status_.clear();
     spdlog::warn("{}", news_.trip);
   }
+  printInputWarnings();
   return news_;
+}
+
+void SessionDriver::printInputWarnings() {
+  const std::vector<std::string> warnings = session_.device().inputWarnings();
+  for (; input_warnings_ < warnings.size(); ++input_warnings_) {
+    status_.clear();
+    spdlog::warn("{}", warnings[input_warnings_]);
+  }
 }
 
 void SessionDriver::tellTheRest() {

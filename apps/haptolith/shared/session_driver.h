@@ -45,12 +45,15 @@ class SessionDriver {
   void tellTheRest();
 
  private:
+  void printInputWarnings();
+
   Session& session_;
   SessionRecording& recording_;
   StatusLine& status_;
   LiveView* const view_;
   RecordTaker* const records_;
   TripFiles trips_;
+  std::size_t input_warnings_ = 0;  ///< of the device, printed so far
   News news_;
 };
 

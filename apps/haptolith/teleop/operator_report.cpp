@@ -8,6 +8,8 @@
 
 #include "haptolith/core/counted.h"
 
+#include "teleop/robot_status.h"
+
 namespace haptolith {
 
 namespace {
@@ -107,8 +109,8 @@ std::string robotSummary(const RobotLead& robot) {
     text += fmt::format("  mended     the surface: {} to lie elsewhere\n", counted(robot.mended(), "grain"));
   }
   const PacketCounts& counts = end.counts();
-  text += fmt::format("  packets    {} sent, {} taken; {} malformed, {} forged, {} replayed\n", end.sent(),
-                      counts.taken, counts.malformed, counts.forged, counts.replayed);
+  text += fmt::format("  packets    {} sent, {} taken; {}, {} forged, {} replayed\n", end.sent(), counts.taken,
+                      malformedCountText(counts), counts.forged, counts.replayed);
   return text;
 }
 

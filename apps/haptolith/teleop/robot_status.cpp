@@ -6,6 +6,11 @@
 
 namespace haptolith {
 
+std::string malformedCountText(const PacketCounts& counts) {
+  return counts.malformed == 0 ? "0 malformed"
+                               : fmt::format("{} malformed (the first: {})", counts.malformed, counts.first_malformed);
+}
+
 std::string robotStatusText(const Robot& robot, const RobotServer& server) {
   const std::string who =
       server.operatorAddress().empty() ? "no operator yet" : fmt::format("operator {}", server.operatorAddress());
@@ -17,9 +22,9 @@ std::string robotStatusText(const Robot& robot, const RobotServer& server) {
 std::string robotSummaryText(const Robot& robot, const RobotServer& server, const std::string& status) {
   const PacketCounts& counts = server.counts();
   return fmt::format(
-      "  robot      {}; stopped {}\n  packets    {} taken; {} malformed, {} forged, {} replayed, {} of "
+      "  robot      {}; stopped {}\n  packets    {} taken; {}, {} forged, {} replayed, {} of "
       "strangers\n",
-      status, counted(robot.stops(), "time"), counts.taken, counts.malformed, counts.forged, counts.replayed,
+      status, counted(robot.stops(), "time"), counts.taken, malformedCountText(counts), counts.forged, counts.replayed,
       counts.strangers);
 }
 

@@ -6,6 +6,9 @@
 
 namespace haptolith {
 
+/// "3 malformed (the first: 57 bytes of text, ...)".
+[[nodiscard]] std::string malformedCountText(const PacketCounts& counts);
+
 /// "operator 127.0.0.1:40000: following, command 1200 of 1300, 2.31 N".
 [[nodiscard]] std::string robotStatusText(const Robot& robot, const RobotServer& server);
 

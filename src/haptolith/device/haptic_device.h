@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/core/vec.h"
 
@@ -98,6 +100,14 @@ class HapticDevice {
 
   /// Why it is lost, and what to do; empty when it is not. Not for the tick.
   [[nodiscard]] virtual std::string_view problem() const noexcept { return {}; }
+
+  /// Returns one warning for each kind of unusable input, in order of first occurrence. From any thread; not for the
+  /// tick.
+  [[nodiscard]] virtual std::vector<std::string> inputWarnings() const { return {}; }
+
+  /// Returns counts of received input for the end of a run; empty for a device that counts nothing. Not while the loop
+  /// runs.
+  [[nodiscard]] virtual std::string inputSummary() const { return {}; }
 };
 
 }  // namespace haptolith

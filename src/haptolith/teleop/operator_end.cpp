@@ -69,8 +69,8 @@ void OperatorEnd::receive(const RobotListener& listener) {
       take(*packet, listener);
     } else if (const std::optional<SitePacket> seen = parseSite(opened.packet)) {
       take(*seen, listener);
-    } else {
-      ++counts_.malformed;
+    } else if (counts_.malformed++ == 0) {
+      counts_.first_malformed = describeMalformedReport(opened.packet);
     }
   }
   const double silent_s = static_cast<double>(monotonicNs() - heard_ns_) * 1e-9;

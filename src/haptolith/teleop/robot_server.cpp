@@ -67,7 +67,9 @@ void RobotServer::take(const UdpPort::Datagram& datagram) {
   }
   const std::optional<CommandPacket> packet = parseCommand(opened.packet);
   if (!packet) {
-    ++counts_.malformed;
+    if (counts_.malformed++ == 0) {
+      counts_.first_malformed = describeMalformedCommand(opened.packet);
+    }
     return;
   }
   const bool somebody = !operator_.empty() && ticks_ - heard_tick_ < forgotten_after_;

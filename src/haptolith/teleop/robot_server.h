@@ -16,10 +16,11 @@ namespace haptolith {
 struct PacketCounts {
   std::uint64_t taken = 0;
   std::uint64_t malformed = 0;
-  std::uint64_t forged = 0;     ///< do not prove that their sender knows the key
-  std::uint64_t greetings = 0;  ///< of who does not know this end's nonce yet
-  std::uint64_t replayed = 0;   ///< older than another, or of a session that is over
-  std::uint64_t strangers = 0;  ///< of others, while somebody is heard
+  std::string first_malformed = {};  ///< why the first was not read
+  std::uint64_t forged = 0;          ///< do not prove that their sender knows the key
+  std::uint64_t greetings = 0;       ///< of who does not know this end's nonce yet
+  std::uint64_t replayed = 0;        ///< older than another, or of a session that is over
+  std::uint64_t strangers = 0;       ///< of others, while somebody is heard
 
   [[nodiscard]] bool operator==(const PacketCounts&) const = default;
 };

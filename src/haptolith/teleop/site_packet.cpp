@@ -9,7 +9,6 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::string_view kMagic = "HLTM";
 constexpr double kFurthest_m = 100;
 constexpr double kSmallestCell_m = 1e-4, kLargestCell_m = 1;
 
@@ -28,7 +27,7 @@ bool makesSense(const SitePacket& packet) noexcept {
 
 std::optional<SitePacket> parseSite(std::span<const std::uint8_t> bytes) {
   PacketReader reader(std::as_bytes(bytes));
-  if (bytes.size() < SitePacket::kHeaderBytes || !reader.nextIs(kMagic) ||
+  if (bytes.size() < SitePacket::kHeaderBytes || !reader.nextIs(SitePacket::kMagic) ||
       reader.next<std::uint16_t>() != SitePacket::kVersion) {
     return std::nullopt;
   }
@@ -62,7 +61,7 @@ Packet bytesOf(const SitePacket& packet) {
   Packet bytes(SitePacket::kHeaderBytes + packet.steps.size() * sizeof(std::int16_t));
   PacketWriter writer(std::as_writable_bytes(std::span(bytes)));
   const auto count = [&](std::size_t number) { writer.write(static_cast<std::uint16_t>(number)); };
-  writer.writeMagic(kMagic);
+  writer.writeMagic(SitePacket::kMagic);
   writer.write(SitePacket::kVersion);
   count(0);
   writer.write(packet.robot_session);

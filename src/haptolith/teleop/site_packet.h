@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "haptolith/bed/surface_height.h"
@@ -35,6 +36,7 @@ namespace haptolith {
 ///          0  i16     height over the site's zero, in steps of 0.1 mm; -32768: not seen
 struct SitePacket {
   static constexpr std::size_t kHeaderBytes = 56, kSide = 16, kMostAlong = 1024, kMostCells = 65536;
+  static constexpr std::string_view kMagic = "HLTM";
   static constexpr std::uint16_t kVersion = 1;
   static constexpr double kStep_m = 1e-4;
   static constexpr std::int16_t kNotSeen = -32768;

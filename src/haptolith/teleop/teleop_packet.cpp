@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "haptolith/core/foreign_packet.h"
 #include "haptolith/core/packet_bytes.h"
 #include "haptolith/teleop/site_packet.h"
 
@@ -92,7 +93,23 @@ void requireCount(const char* key, std::size_t count, std::size_t most) {
   requireInRange(key, static_cast<double>(count), {1, static_cast<double>(most)});
 }
 
+std::string describeMalformed(std::span<const std::uint8_t> bytes, const PacketForm& form) {
+  const std::string mismatch = describeMismatch(PacketHead(std::as_bytes(bytes)), form);
+  return mismatch.empty() ? "truncated, or a number is NaN, infinite or out of range" : mismatch;
+}
+
 }  // namespace
+
+std::string describeMalformedCommand(std::span<const std::uint8_t> bytes) {
+  return describeMalformed(bytes, {kCommandMagic, CommandPacket::kVersion});
+}
+
+std::string describeMalformedReport(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view kMagic = SitePacket::kMagic;
+  const bool of_site = bytes.size() >= kMagic.size() && std::ranges::equal(bytes.first(kMagic.size()), kMagic);
+  return describeMalformed(
+      bytes, of_site ? PacketForm{kMagic, SitePacket::kVersion} : PacketForm{kStateMagic, StatePacket::kVersion});
+}
 
 std::optional<CommandPacket> parseCommand(std::span<const std::uint8_t> bytes) {
   PacketReader reader(std::as_bytes(bytes));

@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -84,6 +85,11 @@ struct StatePacket {
 /// NaN, infinite or out of range, a turn of no unit length, keys or reports that do not grow. Not for the tick.
 [[nodiscard]] std::optional<CommandPacket> parseCommand(std::span<const std::uint8_t> bytes);
 [[nodiscard]] std::optional<StatePacket> parseState(std::span<const std::uint8_t> bytes);
+
+/// Describes why a robot, or an operator, cannot read a packet, for a message to the author of its sender. Not for the
+/// tick.
+[[nodiscard]] std::string describeMalformedCommand(std::span<const std::uint8_t> bytes);
+[[nodiscard]] std::string describeMalformedReport(std::span<const std::uint8_t> bytes);
 
 /// @throws InvalidParameter for none or more keys than a packet holds.
 [[nodiscard]] Packet bytesOf(const CommandPacket& packet);

@@ -1,10 +1,13 @@
 #include "haptolith/device/drivers/device_packet.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <string_view>
 #include <utility>
 
 #include "haptolith/core/packet_bytes.h"
+#include "haptolith/device/drivers/packet_key.h"
 
 namespace haptolith {
 
@@ -78,6 +81,33 @@ std::optional<DevicePacket> parse(std::span<const std::byte> bytes, PacketFault*
   }
   packet.pose.orientation.normalize();
   return packet;
+}
+
+std::string describe(PacketFault fault, const PacketHead& head, bool signed_packets) {
+  constexpr std::size_t kSigned = DevicePacket::kBytes + PacketKey::kTagBytes;
+  const PacketForm form{kDeviceMagic, DevicePacket::kVersion, signed_packets ? kSigned : DevicePacket::kBytes};
+  const std::string mismatch = describeMismatch(head, form);
+  switch (fault) {
+    case PacketFault::kSize:
+      if (head.size == kSigned && describeMismatch(head, {kDeviceMagic, DevicePacket::kVersion, kSigned}).empty()) {
+        return "signed, but this program was started without --device-key-file";
+      }
+      if (head.size == DevicePacket::kBytes &&
+          describeMismatch(head, {kDeviceMagic, DevicePacket::kVersion, DevicePacket::kBytes}).empty()) {
+        return "not signed, but this program was started with a key";
+      }
+      return mismatch;
+    case PacketFault::kMagic:
+    case PacketFault::kVersion: return mismatch;
+    case PacketFault::kNotFinite: return "a number is NaN or infinite";
+    case PacketFault::kNotUnit: return "the orientation, w x y z, is not of unit length within 1 %";
+    case PacketFault::kRange:
+      return fmt::format(
+          "a number is out of range: position within {:g} m, velocity within {:g} m/s and {:g} rad/s, gripper 0 "
+          "to 1",
+          kLargestPosition_m, kLargestSpeed_m_s, kLargestTurning_rad_s);
+  }
+  return mismatch;
 }
 
 std::optional<AnswerPacket> parseAnswer(std::span<const std::byte> bytes) noexcept {

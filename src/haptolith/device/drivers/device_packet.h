@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
+#include "haptolith/core/foreign_packet.h"
 #include "haptolith/device/haptic_device.h"
 
 namespace haptolith {
@@ -85,6 +87,10 @@ inline constexpr std::size_t kPacketFaults = 6;
 /// @param fault  set when there is none.
 [[nodiscard]] std::optional<DevicePacket> parse(std::span<const std::byte> bytes,
                                                 PacketFault* fault = nullptr) noexcept;
+
+/// Describes a fault for a message to the author of the sender. Not for the tick.
+/// @param signed_packets  whether the device has a key, so that a tag must follow each packet.
+[[nodiscard]] std::string describe(PacketFault fault, const PacketHead& head, bool signed_packets);
 
 /// As parse(), for the program that holds the tool: an answer of wrong size, magic or version, or with a force that is
 /// NaN or infinite, is dropped.

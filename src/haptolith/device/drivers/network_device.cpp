@@ -78,6 +78,13 @@ const sockaddr* generic(const sockaddr_in& address) noexcept {
 }
 // NOLINTEND(cppcoreguidelines-pro-type-reinterpret-cast)
 
+std::string addressText(std::uint64_t sender) {
+  const sockaddr_in address = unpacked(sender);
+  std::array<char, INET_ADDRSTRLEN> host{};
+  inet_ntop(AF_INET, &address.sin_addr, host.data(), host.size());
+  return fmt::format("{}:{}", host.data(), ntohs(address.sin_port));
+}
+
 bool isThisMachine(const sockaddr_in& address) noexcept {
   return (ntohl(address.sin_addr.s_addr) >> 24U) == 127;
 }
@@ -225,6 +232,11 @@ void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender,
       bytes.size() == size ? parse(bytes.first(DevicePacket::kBytes), &fault) : std::nullopt;
   if (!packet) {
     ++counts_.malformed[static_cast<std::size_t>(fault)];
+    if (!warnedOf(NetworkWarning::kMalformed)) {
+      fault_ = fault;
+      malformed_ = PacketHead(bytes);
+      warn(NetworkWarning::kMalformed);
+    }
     return;
   }
   if (holder_.load() != 0 && now_ns_ - taken_ns_ > holder_ns_) {
@@ -232,6 +244,10 @@ void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender,
   }
   if (!mayTake(*packet, sender)) {
     ++counts_.others;
+    if (!warnedOf(NetworkWarning::kOther)) {
+      other_ = sender;
+      warn(NetworkWarning::kOther);
+    }
     return;
   }
   // Newer by less than half of all numbers: right also when they begin again at 0.
@@ -255,6 +271,13 @@ void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender,
     taken_ns_ = came_ns;
   }
   ++counts_.taken;
+  if (now_ns_ - came_ns > fresh_ns_) {
+    ++counts_.waited;
+    if (!warnedOf(NetworkWarning::kWaited)) {
+      waited_ns_ = now_ns_ - came_ns;
+      warn(NetworkWarning::kWaited);
+    }
+  }
   taken_ns_ = std::max(taken_ns_, came_ns);
   owed_ = std::min(owed_ + 1, kMostOwed);
   sequence_.store(packet->sequence);
@@ -289,6 +312,7 @@ bool NetworkDevice::isSigned(std::span<const std::byte> bytes, const DevicePacke
   }
   if (!newcomer || !key_->signs(tag, body, {})) {
     ++counts_.forged;
+    warn(NetworkWarning::kForged);
     return false;
   }
   ++counts_.greetings;
@@ -373,6 +397,69 @@ void NetworkDevice::lose(const char* reason) noexcept {
   input_.twist = {};
   live_.store(false);
   lost_.store(true);
+}
+
+bool NetworkDevice::warnedOf(NetworkWarning what) const noexcept {
+  return warned_[static_cast<std::size_t>(what)];
+}
+
+/// Publishes a warning whose details have been written.
+void NetworkDevice::warn(NetworkWarning what) noexcept {
+  if (!warnedOf(what)) {
+    warned_[static_cast<std::size_t>(what)] = true;
+    const std::size_t count = warning_count_.load(std::memory_order_relaxed);
+    warnings_[count] = what;
+    warning_count_.store(count + 1, std::memory_order_release);
+  }
+}
+
+std::string NetworkDevice::textOf(NetworkWarning what) const {
+  switch (what) {
+    case NetworkWarning::kMalformed:
+      return fmt::format("malformed packet ignored: {}; see docs/udp.md",
+                         describe(fault_, malformed_, key_.has_value()));
+    case NetworkWarning::kForged:
+      return "packet ignored: its signature does not fit this program's key; use the same key on both ends";
+    case NetworkWarning::kOther:
+      return fmt::format("packets of a second sender, {}, are ignored until the first is silent for {:g} s",
+                         addressText(other_), 1e-9 * static_cast<double>(holder_ns_));
+    case NetworkWarning::kWaited:
+      return fmt::format(
+          "packets waited {:.0f} ms before they were read, as after a pause of this program; they do not "
+          "move the tool",
+          1e-6 * static_cast<double>(waited_ns_));
+  }
+  return "";
+}
+
+std::vector<std::string> NetworkDevice::inputWarnings() const {
+  std::vector<std::string> all;
+  const std::size_t count = warning_count_.load(std::memory_order_acquire);
+  for (const NetworkWarning what : std::span(warnings_).first(count)) {
+    all.push_back(textOf(what));
+  }
+  return all;
+}
+
+std::string NetworkDevice::inputSummary() const {
+  const std::array<std::string_view, kPacketFaults> faults{
+      "of wrong size",        "of another format",           "of another version",
+      "with NaN or infinity", "with an invalid orientation", "out of range"};
+  std::string text = fmt::format("{} taken", counts_.taken);
+  const auto add = [&text](std::uint64_t count, std::string_view what) {
+    if (count > 0) {
+      text += fmt::format(", {} {}", count, what);
+    }
+  };
+  add(counts_.waited, "of them too old to move the tool");
+  for (std::size_t i = 0; i < kPacketFaults; ++i) {
+    add(counts_.malformed[i], faults[i]);
+  }
+  add(counts_.late, "late or repeated");
+  add(counts_.others, "of other senders");
+  add(counts_.forged, "forged");
+  add(counts_.unsent, "answers not sent");
+  return text;
 }
 
 std::string_view NetworkDevice::problem() const noexcept {

@@ -30,7 +30,12 @@ struct NetworkCounts {
   std::uint64_t forged = 0;                              ///< with a tag that does not fit the key and the nonce
   std::uint64_t greetings = 0;                           ///< of senders that ask for a nonce
   std::uint64_t unsent = 0;                              ///< answers that the system did not take
+  std::uint64_t waited = 0;  ///< taken, but too old to move the tool, as after a pause of this program
 };
+
+/// Events that inputWarnings() reports at their first occurrence.
+enum class NetworkWarning : std::uint8_t { kMalformed, kForged, kOther, kWaited };
+inline constexpr std::size_t kNetworkWarnings = 4;
 
 /// Any other device or program, by UDP: it sends DevicePackets and is sent AnswerPackets, at most one for each, after
 /// write(). The first sender holds the tool until it falls silent; then the next one takes it, with whatever sequence
@@ -63,6 +68,8 @@ class NetworkDevice final : public HapticDevice {
   void releaseForce() noexcept override;
   void resumeForce() noexcept override { released_.store(false); }
   [[nodiscard]] std::string_view problem() const noexcept override;
+  [[nodiscard]] std::vector<std::string> inputWarnings() const override;
+  [[nodiscard]] std::string inputSummary() const override;
 
   [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
   /// From the loop's thread.
@@ -72,6 +79,9 @@ class NetworkDevice final : public HapticDevice {
   [[nodiscard]] bool receive(std::int64_t clock_ahead_ns) noexcept;
   void take(std::span<const std::byte> bytes, std::uint64_t sender, std::int64_t came_ns) noexcept;
   void lose(const char* reason) noexcept;
+  [[nodiscard]] bool warnedOf(NetworkWarning what) const noexcept;
+  void warn(NetworkWarning what) noexcept;
+  [[nodiscard]] std::string textOf(NetworkWarning what) const;
   [[nodiscard]] bool mayTake(const DevicePacket& packet, std::uint64_t sender) const noexcept;
   [[nodiscard]] bool isSigned(std::span<const std::byte> bytes, const DevicePacket& packet,
                               std::uint64_t sender) noexcept;
@@ -95,6 +105,15 @@ class NetworkDevice final : public HapticDevice {
   std::optional<PacketKey> key_;
   std::uint64_t epoch_ = 0;  ///< one more each time that somebody takes the tool or loses it
   NetworkCounts counts_;
+  std::array<bool, kNetworkWarnings> warned_{};
+
+  // Written once by the loop's thread, before warning_count_ grows.
+  std::array<NetworkWarning, kNetworkWarnings> warnings_{};  ///< in order of occurrence
+  std::atomic<std::size_t> warning_count_{0};
+  PacketFault fault_{};         ///< of the first malformed packet
+  PacketHead malformed_;        ///< of the same packet
+  std::uint64_t other_ = 0;     ///< address of the first other sender
+  std::int64_t waited_ns_ = 0;  ///< age of the first packet that was too old
 
   // Written by the loop's thread, and read by the thread that lets go.
   std::atomic<std::uint64_t> holder_{0};               ///< IPv4 address and port; 0: nobody
