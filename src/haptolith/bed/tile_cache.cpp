@@ -20,6 +20,7 @@
 #include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/input_file.h"
+#include "haptolith/core/user_folder.h"
 
 namespace haptolith {
 
@@ -317,18 +318,10 @@ BedTile cached(const Wanted& wanted, const std::function<BedTile()>& make) {
 }  // namespace
 
 std::filesystem::path tileFolder() {
-  const auto said = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value == nullptr ? "" : value);
-  };
-  if (const std::string own = said("HAPTOLITH_CACHE"); !own.empty()) {
-    return own == "off" ? "" : own;
+  if (const char* own = std::getenv("HAPTOLITH_CACHE"); own != nullptr && *own != '\0') {
+    return std::string_view(own) == "off" ? "" : own;
   }
-  if (const std::filesystem::path caches = said("XDG_CACHE_HOME"); caches.is_absolute()) {
-    return caches / "haptolith";
-  }
-  const std::filesystem::path home = said("HOME");
-  return home.is_absolute() ? home / ".cache" / "haptolith" : std::filesystem::path();
+  return userCacheFolder();
 }
 
 void useTileCache(const fs::path& folder, std::function<void(std::string_view)> tell) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/new_file_name.h"
+#include "haptolith/core/user_folder.h"
 #include "haptolith/recording/recording_format.h"
 
 namespace haptolith {
@@ -23,23 +23,9 @@ namespace {
 constexpr std::uint64_t kMostFiles = 20;
 constexpr double kBetween_s = 1;
 
-/// Where programs keep what nobody has asked for; empty, the current folder, for who has no home.
-std::filesystem::path tripFolder() {
-  const auto absolute = [](const char* variable) {
-    const char* value = std::getenv(variable);
-    const std::filesystem::path folder = value == nullptr ? "" : value;
-    return folder.is_absolute() ? folder : std::filesystem::path();
-  };
-  if (const std::filesystem::path states = absolute("XDG_STATE_HOME"); !states.empty()) {
-    return states / "haptolith";
-  }
-  const std::filesystem::path home = absolute("HOME");
-  return home.empty() ? home : home / ".local" / "state" / "haptolith";
-}
-
 /// @return the file's name. @throws Failure when it cannot be written.
 std::string writeTripFile(const TripReport& report) {
-  const std::filesystem::path folder = tripFolder();
+  const std::filesystem::path folder = userStateFolder();  // else the current one
   if (std::error_code error; !folder.empty()) {
     std::filesystem::create_directories(folder, error);  // where that fails, the file says why
   }
