@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "haptolith/bed/critical_step.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/haptic_loop.h"
@@ -170,7 +171,7 @@ TEST(LoopRequest, GravityAndSoilCountFromTheNextTick) {
   }
   Stirred made_so(wanted, centres_m);
   Stirred changed(paperBed(), centres_m);
-  ASSERT_TRUE(isCompatible(paperBed().soil, wanted.soil, ToolParameters{}.stiffness_n_m));
+  ASSERT_TRUE(isCompatible(paperBed(), wanted.soil, ToolParameters{}.stiffness_n_m));
   ASSERT_TRUE(changed.loop.ask(request::Gravity{wanted.gravity_m_s2}));
   ASSERT_TRUE(changed.loop.ask(request::Soil{SoilLaws(wanted.soil)}));
   made_so.ticks(500);
@@ -183,9 +184,10 @@ TEST(LoopRequest, GravityAndSoilCountFromTheNextTick) {
 }
 
 TEST(LoopRequest, ABedGoesOnOnlyWithSoilThatItsListsAndStepsAreGoodFor) {
-  const SoilParameters made = findPreset("P3").soil;
+  BedParameters made;
+  made.soil = findPreset("P3").soil;
   const auto good = [&](auto change) {
-    SoilParameters soil = made;
+    SoilParameters soil = made.soil;
     change(soil);
     return isCompatible(made, soil, 500);
   };
@@ -199,6 +201,25 @@ TEST(LoopRequest, ABedGoesOnOnlyWithSoilThatItsListsAndStepsAreGoodFor) {
   EXPECT_FALSE(good([](SoilParameters& s) { s.rho0_kg_m3 *= 1.01; }));
   EXPECT_FALSE(good([](SoilParameters& s) { s.friction = FrictionModel::kContact; }));
   EXPECT_FALSE(good([](SoilParameters& s) { s.size_spread = 0.1; }));
+}
+
+TEST(LoopRequest, ABedWithALightStoneDoesNotGoOnWithSoilThatNeedsShorterStepsBesideIt) {
+  BedParameters made;
+  made.soil.friction = FrictionModel::kContact;
+  made.stones.placed = {{.size_m = 0.01}};
+  made.stones.density_kg_m3 = 100;
+  int good_without_the_stone = 0;
+  for (double across = 0.1; across <= 1; across += 0.1) {
+    for (double softer = 0.5; softer <= 1; softer += 0.02) {
+      BedParameters next = made;
+      next.soil.tangential_ratio = across;
+      next.soil.stiffness_n_m *= softer;
+      const bool more_steps = stepsPerSecond(next, 0) > stepsPerSecond(made, 0);
+      EXPECT_EQ(isCompatible(made, next.soil, 0), !more_steps) << across << ' ' << softer;
+      good_without_the_stone += more_steps && stepsPerSecond(next.soil, 0) <= stepsPerSecond(made.soil, 0) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(good_without_the_stone, 0) << "or this tells nothing";
 }
 
 TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {

@@ -12,12 +12,14 @@ SoilLaws::SoilLaws(const SoilParameters& made_of, int grain_classes)
       graded(gradedLaw(soil, grain_classes)),
       mass_kg(macroparticleMass(soil)) {}
 
-bool isCompatible(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m) {
-  return soil.radius_m == made_of.radius_m && soil.rho0_kg_m3 == made_of.rho0_kg_m3 &&
-         soil.friction == made_of.friction && soil.size_spread == made_of.size_spread &&
-         soil.damping_ratio <= made_of.damping_ratio &&
-         makeContactLaw(soil).cutoff_m <= makeContactLaw(made_of).cutoff_m &&
-         stepsPerSecond(soil, tool_stiffness_n_m) <= stepsPerSecond(made_of, tool_stiffness_n_m);
+bool isCompatible(const BedParameters& made, const SoilParameters& soil, double tool_stiffness_n_m) {
+  BedParameters next = made;
+  next.soil = soil;
+  return soil.radius_m == made.soil.radius_m && soil.rho0_kg_m3 == made.soil.rho0_kg_m3 &&
+         soil.friction == made.soil.friction && soil.size_spread == made.soil.size_spread &&
+         soil.damping_ratio <= made.soil.damping_ratio &&
+         makeContactLaw(soil).cutoff_m <= makeContactLaw(made.soil).cutoff_m &&
+         stepsPerSecond(next, tool_stiffness_n_m) <= stepsPerSecond(made, tool_stiffness_n_m);
 }
 
 }  // namespace haptolith

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "haptolith/bed/bed_parameters.h"
 #include "haptolith/bed/kernel_law.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/soil_parameters.h"
@@ -18,8 +19,9 @@ struct SoilLaws {
   double mass_kg;    ///< of a macroparticle of the coarsest class
 };
 
-/// Whether a bed made of one soil can go on with another, its particles lying as they lie: they keep their size, mass
-/// and model of friction, reach no further than its neighbour lists, and need no shorter steps.
-[[nodiscard]] bool isCompatible(const SoilParameters& made_of, const SoilParameters& soil, double tool_stiffness_n_m);
+/// Whether a bed can go on with another soil than it was made of, its particles lying as they lie: they keep their
+/// size, mass and model of friction, reach no further than its neighbour lists, and neither they nor its stones need
+/// shorter steps.
+[[nodiscard]] bool isCompatible(const BedParameters& made, const SoilParameters& soil, double tool_stiffness_n_m);
 
 }  // namespace haptolith

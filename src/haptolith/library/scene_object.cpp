@@ -269,11 +269,13 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
     changes.tool = wanted.tool;
   }
   if (!(wanted.bed.soil == scenario_.bed.soil)) {
-    if (!isCompatible(made_of_, wanted.bed.soil, stiffness_n_m)) {
+    BedParameters made = scenario_.bed;
+    made.soil = made_of_;
+    if (!isCompatible(made, wanted.bed.soil, stiffness_n_m)) {
       throw InvalidParameter(
           "soil", wanted.soil_name.empty() ? wanted.preset : wanted.soil_name,
           "a soil whose grains have the size, mass and model of friction of those that lie there, and "
-          "that needs no more steps in a tick; another needs another scene");
+          "with which neither they nor stones need more steps in a tick; another needs another scene");
     }
     changes.laws.emplace(wanted.bed.soil, grainClasses(wanted.bed));
   }

@@ -69,7 +69,7 @@ struct Session::MakingMesh {
 Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress& progress) {
   Showing made;
   made.scenario = scenario;
-  made.made_of = scenario.bed.soil;
+  made.made_of = scenario.bed;
   made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, progress);
   const Bed& bed = made.scene->bed();
   made.fresh =
@@ -80,7 +80,7 @@ Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress
 Session::Showing Session::showFresh(const Scenario& scenario, std::shared_ptr<const Fresh> fresh) {
   Showing made;
   made.scenario = scenario;
-  made.made_of = scenario.bed.soil;
+  made.made_of = scenario.bed;
   SavedScene saved = fresh->saved;
   saved.opening_m = scenario.tool.opening_m;  // of another tool, perhaps
   made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, saved);
@@ -92,7 +92,7 @@ Session::Showing Session::showLying(const Scenario& scenario, const LyingSoil& l
                                     std::shared_ptr<const Fresh> fresh) {
   Showing made;
   made.scenario = scenario;
-  made.made_of = scenario.bed.soil;
+  made.made_of = scenario.bed;
   made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, lying);
   made.fresh = std::move(fresh);
   return made;

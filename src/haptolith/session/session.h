@@ -135,8 +135,8 @@ class Session {
   };
   /// A bed that is, was or will be shown.
   struct Showing {
-    Scenario scenario;       ///< what has been asked for of this bed, and done
-    SoilParameters made_of;  ///< what its lists and steps are good for
+    Scenario scenario;      ///< what has been asked for of this bed, and done
+    BedParameters made_of;  ///< what its lists and steps are good for
     std::shared_ptr<const Fresh> fresh;
     std::unique_ptr<Scene> scene;
     std::unique_ptr<ShownScene> own_shown;  ///< none for the first: the loop has that
