@@ -77,6 +77,11 @@ TEST(Overrides, ReplaceATitleThatMayNameWhatTheyChange) {
             "lunar-0-15cm soil, Moon, R = 6 mm, stones, shovel, stir");
 }
 
+TEST(Overrides, ShowWhatLooksLikeNothingInAValue) {
+  EXPECT_THAT([] { (void)with("title = 'x'", {"soil.radius_mm=0.5\u00a0"}); },
+              testing::ThrowsMessage<InvalidParameter>(HasSubstr(R"('0.5\u00a0' is not valid: must be a number)")));
+}
+
 TEST(Overrides, SayWhichOfThemIsWrong) {
   const auto message = [](const Texts& overrides) {
     try {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "haptolith/core/nearest_word.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/scenario/file_keys.h"
 
 namespace haptolith {
@@ -83,13 +84,13 @@ std::string validFor(const CLI::App& reached, const std::string& option_name) {
 }  // namespace
 
 std::string notAmong(const std::vector<std::string>& words, const std::string& word) {
-  return notValid(fmt::format("'{}'", word), listed(words)) + suggestion(word, words);
+  return notValid(inQuotes(word), listed(words)) + suggestion(word, words);
 }
 
 CLI::Validator numberIn(const Range& range) {
   const auto check = [range](const std::string& text) -> std::string {
     const std::optional<double> value = parsed<double>(text);
-    return !value                                              ? notValid("'" + text + "'", "a number, " + range.text())
+    return !value                                              ? notValid(inQuotes(text), "a number, " + range.text())
            : !std::isfinite(*value) || !range.contains(*value) ? notValid(text, range.text())
                                                                : "";
   };
@@ -101,7 +102,7 @@ CLI::Validator wholeNumberIn(const Range& range) {
     const std::optional<std::int64_t> value = parsed<std::int64_t>(text);
     return value && range.contains(static_cast<double>(*value))
                ? ""
-               : notValid(parsed<double>(text) ? text : "'" + text + "'", "a whole number, " + range.text());
+               : notValid(parsed<double>(text) ? text : inQuotes(text), "a whole number, " + range.text());
   };
   return {check, range.text()};
 }

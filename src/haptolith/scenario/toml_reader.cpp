@@ -48,6 +48,9 @@ std::string written(const toml::node& node) {
 
 /// On one line and shortened.
 std::string quote(const toml::node& node) {
+  if (const toml::value<std::string>* text = node.as_string()) {
+    return inQuotes(text->get());
+  }
   std::string text = written(node);
   std::ranges::replace(text, '\n', ' ');
   return shortened(text);
