@@ -21,7 +21,7 @@ class Watcher {
   private readonly socket: WebSocket;
 
   constructor(address: string) {
-    this.socket = new WebSocket(address.replace(/^http/, 'ws') + 'ws', SUBPROTOCOL);
+    this.socket = new WebSocket(new URL('ws', address.replace(/^http/, 'ws')), SUBPROTOCOL);
     this.socket.binaryType = 'arraybuffer';
     this.socket.on('message', (data, binary) => (binary ? this.read(data as ArrayBuffer) : this.hear(String(data))));
   }
