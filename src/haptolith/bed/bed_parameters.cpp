@@ -29,11 +29,11 @@ int grainClasses(const BedParameters& bed) {
     if (std::abs(finest_m - radius_m) <= kRounding * radius_m) {
       return c + 1;
     }
-    halves += fmt::format("{:g}, ", radius_m);
+    halves += fmt::format("{:g} m, ", radius_m);
   }
   throw InvalidParameter(
       "fine_radius_m", fmt::format("{:g}", finest_m),
-      fmt::format("one of {}or 0: the soil's radius of {:g} halved once, twice or three times", halves, coarsest_m));
+      fmt::format("one of {}or 0: the soil's radius of {:g} m halved once, twice or three times", halves, coarsest_m));
 }
 
 bool GivenGrains::operator==(const GivenGrains& other) const {
