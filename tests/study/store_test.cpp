@@ -59,6 +59,19 @@ TEST_F(Store, IsNeverOverwritten) {
   EXPECT_EQ(bytesOf(file_), before);
 }
 
+TEST_F(Store, TakesNamesThatLeaveRoomForTheFilesBesideIt) {
+  const auto create = [this](std::size_t bytes) {
+    const fs::path file = folder_ / (std::string(bytes - 6, 'x') + ".study");
+    StudyStore::create(file, loadProtocolText(kTwoBlocks, "two.toml"), kTwoBlocks, 1);
+    return file;
+  };
+  EXPECT_EQ(StudyStore(create(244), Access::kRun).seed(), 1U);
+  const auto files = [this] { return std::distance(fs::directory_iterator(folder_), {}); };
+  const auto before = files();
+  EXPECT_THAT(messageOf<InvalidParameter>([&] { create(245); }), HasSubstr("at most 244 bytes"));
+  EXPECT_EQ(files(), before) << "nothing is left of it";
+}
+
 TEST_F(Store, LeavesNothingBesideItsFileWhenItIsClosed) {
   { const StudyStore store(file_, Access::kRead); }
   std::vector<std::string> names;

@@ -100,7 +100,7 @@ void requireFree(const OutputFile& file) {
   }
 }
 
-fs::path temporaryBeside(const fs::path& path, std::string_view what) {
+fs::path temporaryBeside(const fs::path& path, std::string_view what, std::size_t longest_bytes) {
   std::uint64_t random = 0;
   if (getrandom(&random, sizeof(random), 0) != sizeof(random)) {
     failAt("find a name beside", path);
@@ -109,8 +109,7 @@ fs::path temporaryBeside(const fs::path& path, std::string_view what) {
   // instead, between two characters of UTF-8.
   std::string stem = path.stem().string();
   const std::string end = fmt::format(".{}-{:016x}{}", what, random, path.extension().string());
-  constexpr std::size_t kMostBytes = 255;
-  while (stem.size() + end.size() + 1 > kMostBytes && !stem.empty()) {
+  while (stem.size() + end.size() + 1 > longest_bytes && !stem.empty()) {
     do {
       stem.pop_back();
     } while (!stem.empty() && (static_cast<unsigned char>(stem.back()) & 0x80U) != 0);

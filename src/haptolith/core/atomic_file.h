@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <string_view>
@@ -37,8 +38,13 @@ struct OutputFile {
 /// regular file.
 void requireFree(const OutputFile& file);
 
+/// The most that file systems take for a name, without its folder.
+inline constexpr std::size_t kLongestName_bytes = 255;
+
 /// "x-3f2a...9c" beside `path`, hidden, with its extension: a name that nobody can guess.
-[[nodiscard]] std::filesystem::path temporaryBeside(const std::filesystem::path& path, std::string_view what);
+/// @param longest_bytes  of the name, where another program adds an ending to it.
+[[nodiscard]] std::filesystem::path temporaryBeside(const std::filesystem::path& path, std::string_view what,
+                                                    std::size_t longest_bytes = kLongestName_bytes);
 
 /// Makes an empty file that was not there, and that no link leads to. @return its descriptor. @throws Failure.
 [[nodiscard]] int makeNewFile(const std::filesystem::path& path, Readers readers);

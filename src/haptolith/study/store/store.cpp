@@ -365,8 +365,16 @@ void StudyStore::create(const fs::path& file, const StudyProtocol& protocol, std
     throw Failure(
         fmt::format("{} exists already: a study's answers are never overwritten; choose another name", file.string()));
   }
+  constexpr std::size_t kLongestStudyName_bytes = kLongestName_bytes - std::string_view("-recordings").size();
+  if (const std::size_t bytes = file.filename().string().size(); bytes > kLongestStudyName_bytes) {
+    throw InvalidParameter(
+        "file", file.string(),
+        fmt::format("a name of at most {} bytes without its folder, not {}: files beside a study have its "
+                    "name and an ending",
+                    kLongestStudyName_bytes, bytes));
+  }
   // Only the owner may read what people have answered; SQLite's files beside it are made alike.
-  const fs::path made = temporaryBeside(file, "part");
+  const fs::path made = temporaryBeside(file, "part", kLongestStudyName_bytes);
   const int descriptor = makeNewFile(made, Readers::kOwner);
   if (descriptor < 0) {
     throw Failure(fmt::format("cannot create {}: {}", file.string(), std::strerror(errno)));
