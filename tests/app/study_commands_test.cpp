@@ -204,6 +204,15 @@ TEST_F(StudyCommands, NewRefusesWhatIsWrongAndLeavesNoFile) {
   EXPECT_FALSE(fs::exists(folder_ / "a.study"));
 }
 
+TEST_F(StudyCommands, WriteNoFileOfTheNameOfStandardOutput) {
+  makeStudy();
+  for (const std::string& command : {std::string("new - --protocol paper"), "export " + file("a.study") + " --to -"}) {
+    const ProgramResult refused = runHaptolith("study " + command);
+    EXPECT_EQ(refused.exit_status, 2) << command;
+    EXPECT_THAT(refused.errors, HasSubstr("must be a file name")) << command;
+  }
+}
+
 TEST_F(StudyCommands, NewNeverOverwritesAStudy) {
   makeStudy();
   const std::string before = read("a.study");

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 class StudyFit : public testing::Test {
  protected:
@@ -225,6 +226,9 @@ TEST_F(StudyFit, RefusesWhatItsNumbersCannotHold) {
       runHaptolith("study fit --sigmoid gumbel --log-x --simulations 0 --figure " + (folder_ / "wide.svg").string() +
                    " --data " + file("less.csv", "x,k,n\n1e-50,3,20\n1e50,17,20\n"));
   EXPECT_EQ(wide.exit_status, 0) << wide.errors;
+  EXPECT_THAT(wide.output, Not(HasSubstr(" 0 to "))) << "a positive number is not rounded to 0";
+  expectWrongUse("--sigmoid gumbel --log-x --data " + file("tiny.csv", "x,k,n\n1e-61,3,20\n1,17,20\n"),
+                 "must be 1e-60 to 1e+60");
 }
 
 }  // namespace

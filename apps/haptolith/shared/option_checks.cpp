@@ -97,6 +97,16 @@ CLI::Validator numberIn(const Range& range) {
   return {check, range.text()};
 }
 
+CLI::Validator outputName() {
+  const auto check = [](const std::string& text) -> std::string {
+    return text != "-"
+               ? ""
+               : notValid("'-'",
+                          "a file name; nothing writes files to standard output, and ./- is a file of that name");
+  };
+  return {check, ""};
+}
+
 CLI::Validator wholeNumberIn(const Range& range) {
   const auto check = [range](const std::string& text) -> std::string {
     const std::optional<std::int64_t> value = parsed<std::int64_t>(text);

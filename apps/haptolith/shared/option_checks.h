@@ -25,6 +25,9 @@ namespace haptolith {
 /// One of these words.
 [[nodiscard]] CLI::Validator oneOf(const std::vector<std::string>& words);
 
+/// The name of an output: not `-`, with which other programs mean standard output.
+[[nodiscard]] CLI::Validator outputName();
+
 /// What is wrong with `word`: "'dig' is not valid: must be press or stir; did you mean ...?".
 [[nodiscard]] std::string notAmong(const std::vector<std::string>& words, const std::string& word);
 

@@ -10,6 +10,8 @@
 #include <string>
 #include <system_error>
 
+#include "shared/option_checks.h"
+
 namespace haptolith {
 
 namespace {
@@ -27,11 +29,8 @@ void requireNames(const CLI::App& command) {
       continue;
     }
     const std::string& file = option->results().front();
-    if (file == "-") {
-      throw CLI::ValidationError(
-          fmt::format("{} = '-' is not valid: must be a file name; nothing writes files to "
-                      "standard output, and ./- is a file of that name",
-                      name));
+    if (std::string text = file; !outputName()(text).empty()) {
+      throw CLI::ValidationError(fmt::format("{}: {}", name, outputName()(text)));
     }
     std::error_code ignored;
     std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);

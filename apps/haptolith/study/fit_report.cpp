@@ -25,10 +25,12 @@ std::string_view wordsFor(FitMethod method) {
   return "most probable";
 }
 
-/// 0 for what is left of 0 by rounding.
+/// 0 for what is left of 0 by rounding, where the interval goes through 0; small numbers of one sign are kept.
 double rounded(double value, const Interval& interval) {
   constexpr double kRounding = 1e-12;
-  return std::abs(value) > kRounding * std::max(std::abs(interval.low), std::abs(interval.high)) ? value : 0;
+  const bool is_rounding =
+      interval.low < 0 && std::abs(value) <= kRounding * std::max(-interval.low, std::abs(interval.high));
+  return is_rounding ? 0 : value + 0.0;  // -0 is 0
 }
 
 std::string intervalText(const Interval& interval) {

@@ -40,7 +40,10 @@ void addStudyExportCommand(CLI::App& study) {
   CLI::App* command = study.add_subcommand("export", "Convert a study for other programs: CSV or BIDS");
   command->footer(kStudyExportExamples);
   command->add_option("file", options->file, "A study")->required()->option_text("FILE");
-  command->add_option("--to", options->to, "Where to: a file, for bids a folder")->required()->option_text("PATH");
+  command->add_option("--to", options->to, "Where to: a file, for bids a folder")
+      ->required()
+      ->check(outputName())
+      ->option_text("PATH");
   command
       ->add_option(
           "--format", options->format,

@@ -18,6 +18,7 @@
 #include "haptolith/study/store/store.h"
 
 #include "commands.h"
+#include "shared/option_checks.h"
 #include "shared/output.h"
 
 namespace haptolith {
@@ -95,7 +96,10 @@ void addStudyNewCommand(CLI::App& study) {
   auto options = std::make_shared<NewOptions>();
   CLI::App* command = study.add_subcommand("new", "Make the file of a study");
   command->footer(fmt::format(kStudyNewExamples, fmt::join(protocolNames(), ", ")));
-  command->add_option("file", options->file, "The file to make; it must not exist")->required()->option_text("FILE");
+  command->add_option("file", options->file, "The file to make; it must not exist")
+      ->required()
+      ->check(outputName())
+      ->option_text("FILE");
   command->add_option("--protocol", options->protocol, "A built-in protocol, or a file")
       ->required()
       ->option_text("PROTOCOL");

@@ -14,8 +14,9 @@ struct Level {
 
 /// More answers to one stimulus determine the fit more closely than its numbers have digits.
 inline constexpr double kMostAnswers = 1e9;
-/// Larger stimuli, and smaller ones on a logarithmic axis than 1/kMostStimulus, leave the range of its numbers.
+/// Larger stimuli, and smaller ones on a logarithmic axis than kLeastStimulus, leave the range of its numbers.
 inline constexpr double kMostStimulus = 1e60;
+inline constexpr double kLeastStimulus = 1e-60;
 
 /// The levels in ascending order of x, answers to the same stimulus added up, stimuli without an answer left out.
 /// Stimuli that differ by rounding, by 1e-12 of themselves, are the same.

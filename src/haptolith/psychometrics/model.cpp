@@ -70,7 +70,7 @@ void Model::setAxis() {
   if (levels_.empty()) {
     throw InvalidParameter("levels", "none with an answer", "one or more");
   }
-  const Range logarithmic{1 / kMostStimulus, kMostStimulus};
+  const Range logarithmic{kLeastStimulus, kMostStimulus};
   std::vector<double> places;
   for (const Level& level : levels_) {
     if (log_axis_) {
@@ -95,9 +95,9 @@ void Model::setAxis() {
     throw InvalidParameter("levels", fmt::format("all answers at x = {}", levels_.front().x),
                            "two stimuli or more, or one besides the fixed threshold");
   }
-  if (last_ - first_ < 1 / kMostStimulus) {
+  if (last_ - first_ < kLeastStimulus) {
     throw InvalidParameter("levels", fmt::format("stimuli within {:g} of each other", last_ - first_),
-                           fmt::format("stimuli that reach over {:g} or more", 1 / kMostStimulus));
+                           fmt::format("stimuli that reach over {:g} or more", kLeastStimulus));
   }
 }
 

@@ -57,7 +57,7 @@ std::vector<double> stimuliOf(const PsychometricFigure& wanted) {
   double high = -low;
   const auto reach = [&](double x) {
     requireInRange(wanted.log_axis ? "x on a logarithmic axis" : "x of a figure", x,
-                   {wanted.log_axis ? 1 / kMostStimulus : -kMostStimulus, kMostStimulus});
+                   {wanted.log_axis ? kLeastStimulus : -kMostStimulus, kMostStimulus});
     low = std::min(low, wanted.log_axis ? std::log(x) : x);
     high = std::max(high, wanted.log_axis ? std::log(x) : x);
   };
