@@ -64,6 +64,9 @@ TEST(TrainingFile, RefusesTheSameSoilTwice) {
   made.runs.push_back(made.runs[1]);
   EXPECT_THAT(refusal(trainingText(made)),
               testing::AllOf(HasSubstr("mine.json: runs[3]: number"), HasSubstr("2, as of mine.json: runs[1]")));
+  made.runs.back().number = 999;
+  EXPECT_THAT(refusal(trainingText(made)),
+              testing::AllOf(HasSubstr("mine.json: runs[3]: forces_n"), HasSubstr("those of run 2 again")));
 }
 
 }  // namespace

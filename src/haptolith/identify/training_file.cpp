@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -219,6 +220,12 @@ Training parseTraining(std::string_view text, std::string_view name) {
     if (const auto [same, is_new] = places.emplace(run.number, node.place()); !is_new) {
       throw InvalidParameter(fmt::format("{}: number", node.place()),
                              fmt::format("{}, as of {}", run.number, same->second),
+                             "another soil in each run: one that stands there twice would count twice");
+    }
+    const auto same = std::ranges::find(training.runs, run.forces, &TrainingRun::forces);
+    if (same != training.runs.end() && !run.forces.empty()) {
+      throw InvalidParameter(fmt::format("{}: forces_n", node.place()),
+                             fmt::format("those of run {} again", same->number),
                              "another soil in each run: one that stands there twice would count twice");
     }
     training.runs.push_back(run);
