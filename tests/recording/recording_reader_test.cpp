@@ -180,7 +180,7 @@ TEST_F(RecordingReaderTest, AHeaderOfAnotherTypeIsRefused) {
     H5Tclose(text);
     H5Sclose(space);
   });
-  expectRefused("title in its header is no text");
+  expectRefused("title in its header is text of variable length");
   changed([](hid_t file) {
     H5Adelete(file, "title");
     const hid_t space = H5Screate(H5S_SCALAR);

@@ -263,7 +263,13 @@ void readEntry(const Handle& file, const char* name, std::string& value) {
   const Handle attribute = openEntry(file, name);
   const Handle type = handle(H5Aget_type(attribute.id()), "read its header");
   const std::size_t bytes = H5Tget_size(type.id());
-  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) != 0 || bytes > kLongestHeaderText) {
+  if (H5Tis_variable_str(type.id()) > 0) {
+    throw Failure(
+        fmt::format("{0} in its header is text of variable length, as h5py writes a str; text of fixed length "
+                    "is read: attrs[\"{0}\"] = numpy.bytes_(TEXT)",
+                    name));
+  }
+  if (H5Tget_class(type.id()) != H5T_STRING || bytes > kLongestHeaderText) {
     throw Failure(fmt::format("{} in its header is no text of at most {} bytes", name, kLongestHeaderText));
   }
   value.resize(bytes);
