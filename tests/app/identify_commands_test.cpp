@@ -117,6 +117,9 @@ TEST_F(IdentifyCommands, SayWhatIsWrong) {
   const ProgramResult elsewhere = runHaptolith("identify soil " + in("else.csv"));
   EXPECT_EQ(elsewhere.exit_status, 1);
   EXPECT_THAT(elsewhere.errors, HasSubstr("--origin-mm"));
+  std::ofstream(in("mm.csv")) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz,soil_fx_n,soil_fy_n,soil_fz_n\n"
+                                 "0,20,30,140,1,0,0,0,0,0,0\n1,20,30,30,1,0,0,0,0,0,0\n";
+  EXPECT_THAT(runHaptolith("identify soil " + in("mm.csv")).errors, HasSubstr("metres"));
   EXPECT_EQ(runHaptolith("identify soil /nonexistent.csv").exit_status, 2);
   EXPECT_EQ(runHaptolith("identify").exit_status, 2);
   std::ofstream(in("bad.json")) << "{}";

@@ -226,6 +226,11 @@ TEST_F(ToLammps, GoesADumpToVtk) {
   EXPECT_EQ(bad.exit_status, 2);
   EXPECT_THAT(bad.errors, HasSubstr("bad.lammpstrj:9"));
   EXPECT_FALSE(fs::exists(path("bad-vtk")));
+  const std::string again =
+      fmt::format("ITEM: TIMESTEP\n0{}ITEM: ATOMS id x y z radius\n1 0 0 0 0.1\n2 0 0 1 0.1\n", head);
+  std::ofstream(path("twice.lammpstrj")) << again << again;
+  EXPECT_THAT(runHaptolith("export " + path("twice.lammpstrj") + " --format vtk").errors,
+              HasSubstr("2 pictures of step or time 0"));
 }
 
 TEST_F(ToLammps, ComesNothingThatIsNoDump) {

@@ -184,7 +184,9 @@ TEST_F(WebServerTest, TakesNoUploadsUnlessItIsTold) {
 }
 
 TEST_F(WebServerTest, OnlyPagesOfThisMachineMayConnect) {
-  EXPECT_EQ(WsClient::get(server_.port(), "/", "evil.com").first, 403U) << "a name that was pointed at us";
+  const auto [status_of_another, advice] = WsClient::get(server_.port(), "/", "evil.com");
+  EXPECT_EQ(status_of_another, 403U) << "a name that was pointed at us";
+  EXPECT_THAT(advice, testing::HasSubstr("--bind")) << "for a proxy";
   EXPECT_EQ(WsClient::get(server_.port(), "/", "localhost:1234").first, 200U) << "forwarded through SSH";
   const auto status = [&](const std::string& origin, const std::string& host) {
     WsClient client(server_.port());

@@ -212,7 +212,7 @@ StepStatus Bed::step(double dt_s) noexcept {
   state_.velocity.swap(next_velocity_);
   ++state_.step;
   if (stones_.size() > 0) {
-    stones_.letGo(external_);
+    stones_.takeBackForces(external_);
     stones_.move(parameters_.gravity_m_s2, dt_s, wakefulness_.rule());
     if (!stones_.areFinite()) {
       return StepStatus::kNotFinite;

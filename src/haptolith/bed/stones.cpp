@@ -403,7 +403,7 @@ void Stones::pressStones(std::size_t stone, const SoilAroundStones& soil) noexce
   }
 }
 
-void Stones::letGo(std::vector<Float4>& forces) noexcept {
+void Stones::takeBackForces(std::vector<Float4>& forces) noexcept {
   for (std::size_t k = put_.size(); k > 0; --k) {
     forces[put_[k - 1].particle] = put_[k - 1].before;
   }

@@ -95,7 +95,7 @@ class Stones {
   /// is no room for all that touches a stone: the bed has collapsed.
   [[nodiscard]] bool putForces(const SoilAroundStones& soil) noexcept;
   /// Third part, when the soil has felt them: takes the stones' forces on it back; those of others stay.
-  void letGo(std::vector<Float4>& forces) noexcept;
+  void takeBackForces(std::vector<Float4>& forces) noexcept;
   /// Last part: velocities, then places.
   void move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) noexcept;
   /// No particle has gone further than this in the step: who is near is looked for again when it might have changed.
