@@ -86,7 +86,7 @@ std::optional<DevicePacket> parse(std::span<const std::byte> bytes, PacketFault*
 std::string describe(PacketFault fault, const PacketHead& head, bool signed_packets) {
   constexpr std::size_t kSigned = DevicePacket::kBytes + PacketKey::kTagBytes;
   const PacketForm form{kDeviceMagic, DevicePacket::kVersion, signed_packets ? kSigned : DevicePacket::kBytes};
-  const std::string mismatch = describeMismatch(head, form);
+  std::string mismatch = describeMismatch(head, form);
   switch (fault) {
     case PacketFault::kSize:
       if (head.size == kSigned && describeMismatch(head, {kDeviceMagic, DevicePacket::kVersion, kSigned}).empty()) {
