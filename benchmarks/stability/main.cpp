@@ -30,7 +30,7 @@ namespace {
 
 /// Energy that a hand may be given, J.
 constexpr double kHarmless_j = 1e-3;
-/// And a handle that nobody holds, at a device whose delay nobody has told, J.
+/// Work that the force may do on a released handle at a device of unknown delay, J.
 constexpr double kReleased_j = 5e-3;
 
 constexpr HoldingHand kHands[]{kStiffHand, kLooseHand, kNoHand, kOpeningHand};
@@ -209,9 +209,23 @@ unset multiplot)",
   figure.save();
 }
 
-/// What stands behind the network device for all that anybody knows: see NetworkDevice::limits().
+/// Limits of the network device at its default settings: NetworkDevice::limits().
 constexpr int kAssumedDelay_ticks = 10;
 constexpr double kAssumedResolution_m = 1e-4;
+
+/// A handle of 0.1 kg at a device that declares neither its delay nor its resolution.
+StabilityCase atUnknownDevice(const HoldingHand& hand, int delay_ticks, double step_m, double noise_m) {
+  StabilityCase setting;
+  setting.hand = hand;
+  setting.handle_kg = 0.1;
+  setting.delay_ticks = delay_ticks;
+  setting.declared_ticks = kAssumedDelay_ticks;
+  setting.step_m = step_m;
+  setting.noise_m = noise_m;
+  setting.resolution_m = kAssumedResolution_m;
+  setting.coupling = CouplingKind::kVirtual;
+  return setting;
+}
 
 struct UnknownCell {
   const Scenario* scenario = nullptr;
@@ -238,16 +252,7 @@ int unknownDevices(int threads) {
       for (const int delay : {0, 1, 2, 5, 10}) {
         for (const double step_m : {0.0, 2e-5, 6e-5}) {
           for (const double noise_m : {0.0, 1e-4}) {
-            StabilityCase setting;
-            setting.hand = hand;
-            setting.handle_kg = 0.1;
-            setting.delay_ticks = delay;
-            setting.declared_ticks = kAssumedDelay_ticks;
-            setting.step_m = step_m;
-            setting.noise_m = noise_m;
-            setting.resolution_m = kAssumedResolution_m;
-            setting.coupling = CouplingKind::kVirtual;
-            cells.push_back({&scenes[i], &lying[i], setting, {}, {}});
+            cells.push_back({&scenes[i], &lying[i], atUnknownDevice(hand, delay, step_m, noise_m), {}, {}});
           }
         }
       }
@@ -286,8 +291,8 @@ int unknownDevices(int threads) {
   return 0;
 }
 
-/// A handle of 0.1 kg that is let go 15 mm deep in the soil, dropped from 1 mm or from 20 mm, with and without weight,
-/// at a device whose delay nobody has told.
+/// A handle of 0.1 kg, released 15 mm deep in the soil or dropped from 1 mm or 20 mm, with and without weight, at a
+/// device of unknown delay.
 int releasedHandles(int threads) {
   const std::vector<Scenario> scenes{
       loadScenarioText("title = \"A: P3, Moon\"", "A"),
@@ -303,15 +308,7 @@ int releasedHandles(int threads) {
     for (const HoldingHand& hand : kReleasedHands) {
       for (const int delay : {0, 2, 5, 10}) {
         for (const double step_m : {0.0, 6e-5}) {
-          StabilityCase setting;
-          setting.hand = hand;
-          setting.handle_kg = 0.1;
-          setting.delay_ticks = delay;
-          setting.declared_ticks = kAssumedDelay_ticks;
-          setting.step_m = step_m;
-          setting.resolution_m = kAssumedResolution_m;
-          setting.coupling = CouplingKind::kVirtual;
-          cells.push_back({&scenes[i], &lying[i], setting, {}, {}});
+          cells.push_back({&scenes[i], &lying[i], atUnknownDevice(hand, delay, step_m, 0), {}, {}});
         }
       }
     }
@@ -344,7 +341,7 @@ int sweep(int argc, char** argv) {
   bool unknown = false;
   app.add_flag("--unknown", unknown, "devices that nobody has measured, instead of the sweep");
   bool released = false;
-  app.add_flag("--released", released, "a light handle that is let go or dropped at such devices");
+  app.add_flag("--released", released, "A released or dropped light handle at such devices");
   CLI11_PARSE(app, argc, argv);
   if (released) {
     return releasedHandles(threads);

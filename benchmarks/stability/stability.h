@@ -16,7 +16,7 @@ struct HoldingHand {
   const char* name = "";
   double stiffness_n_m = 0, damping_n_s_m = 0;
   double mass_kg = 0;   ///< moves with the handle
-  double weight_n = 0;  ///< that pushes the handle down when nobody holds it; 0: it is balanced
+  double weight_n = 0;  ///< of a released handle; 0: balanced
   Opens opens = Opens::kNever;
 };
 
@@ -24,7 +24,7 @@ struct HoldingHand {
 inline constexpr HoldingHand kStiffHand{"stiff", 800, 10, 0.5, 0};
 inline constexpr HoldingHand kLooseHand{"loose", 100, 3, 0.3, 0};
 inline constexpr HoldingHand kNoHand{"none", 0, 0, 0, 2};
-inline constexpr HoldingHand kOpeningHand{"lets go", 800, 10, 0.5, 0, Opens::kWhenStill};
+inline constexpr HoldingHand kOpeningHand{"releases", 800, 10, 0.5, 0, Opens::kWhenStill};
 /// Hands without mass are harder to keep still at a light handle.
 inline constexpr HoldingHand kLightHands[]{
     {"stiff, light", 1500, 20},
@@ -33,10 +33,10 @@ inline constexpr HoldingHand kLightHands[]{
     {"loose, light", 50, 1},
 };
 
-/// A handle that nobody holds any more.
+/// Hands that release the handle.
 inline constexpr HoldingHand kReleasedHands[]{
-    {"lets go", 300, 5, 0, 0, Opens::kWhenStill},
-    {"lets go", 300, 5, 0, 2, Opens::kWhenStill},
+    {"releases", 300, 5, 0, 0, Opens::kWhenStill},
+    {"releases", 300, 5, 0, 2, Opens::kWhenStill},
     {"drops", 300, 5, 0, 2, Opens::kAtSoil},
     {"drops from 20 mm", 0, 0, 0, 2},
 };

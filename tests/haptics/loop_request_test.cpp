@@ -219,7 +219,7 @@ TEST(LoopRequest, ABedWithALightStoneDoesNotGoOnWithSoilThatNeedsShorterStepsBes
       good_without_the_stone += more_steps && stepsPerSecond(next.soil, 0) <= stepsPerSecond(made.soil, 0) ? 1 : 0;
     }
   }
-  EXPECT_GT(good_without_the_stone, 0) << "or this tells nothing";
+  EXPECT_GT(good_without_the_stone, 0) << "else the test cannot fail";
 }
 
 TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {

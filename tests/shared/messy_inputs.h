@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// What a reader is to make of an input: a line of tests/data/messy/FOLDER/expectations.txt, one of
+/// The expected result of reading an input: a line of tests/data/messy/FOLDER/expectations.txt, one of
 ///
 ///     INPUT is CLEAN              reading INPUT gives what reading CLEAN gives
 ///     INPUT warned LINE WORDS     INPUT is read with a warning that names this line (0: none) and has these words
@@ -36,7 +36,7 @@ struct Reading {
   std::string text, warnings = {};
 };
 
-/// The same for every input of `folder`.
+/// Reads every input of `folder` and expects what is written for it.
 /// @param readers  by the first folder of an input's name.
 /// @param fewest  inputs for each reader.
 void expectAsWritten(const std::filesystem::path& folder,

@@ -29,8 +29,9 @@ void requireNames(const CLI::App& command) {
       continue;
     }
     const std::string& file = option->results().front();
-    if (std::string text = file; !outputName()(text).empty()) {
-      throw CLI::ValidationError(fmt::format("{}: {}", name, outputName()(text)));
+    std::string text = file;
+    if (const std::string wrong = outputName()(text); !wrong.empty()) {
+      throw CLI::ValidationError(fmt::format("{}: {}", name, wrong));
     }
     std::error_code ignored;
     std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);
