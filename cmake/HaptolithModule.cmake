@@ -21,7 +21,7 @@ endif()
 
 # haptolith_unity(haptolith_soil): compiles a target's sources twelve at a time, which takes half as long; a changed file then
 # costs its whole batch. Alone stay sources that Highway compiles once for each instruction set, since they include themselves,
-# and those with definitions of their own. CMake's UNITY_BUILD would do, but writes absolute names into its batches: no
+# those with definitions of their own, and those whose property HAPTOLITH_ALONE is set. CMake's UNITY_BUILD would do, but writes absolute names into its batches: no
 # compiler cache would serve another checkout.
 option(HAPTOLITH_UNITY "Compile several sources at a time: quicker from nothing, slower after a change" OFF)
 function(haptolith_unity target)
@@ -38,7 +38,10 @@ function(haptolith_make_batches target)
     file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${file})
     set(alone "")
     get_source_file_property(alone ${source} COMPILE_DEFINITIONS)
-    if(NOT alone AND source MATCHES "\\.cpp$" AND EXISTS ${file} AND NOT name MATCHES "^build/")
+    get_source_file_property(kept_alone ${source} HAPTOLITH_ALONE)
+    if(kept_alone)
+      set(alone TRUE)
+    elseif(NOT alone AND source MATCHES "\\.cpp$" AND EXISTS ${file} AND NOT name MATCHES "^build/")
       file(STRINGS ${file} alone REGEX "HWY_TARGET_INCLUDE" LIMIT_COUNT 1)
     elseif(NOT alone)
       set(alone TRUE)

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "haptolith/viewer/frame.h"
+
 namespace haptolith {
 namespace {
 
-const FrameEncoder::Space kSpace{Vec3(-1, -1, 0), Vec3(1, 1, 1)};
+const FrameSpace kSpace{Vec3(-1, -1, 0), Vec3(1, 1, 1)};
 
 SceneSnapshot snapshotOf(std::size_t particles) {
   SceneSnapshot snapshot;

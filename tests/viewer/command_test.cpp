@@ -161,7 +161,7 @@ TEST(Command, ALongWrongWordComesBackShort) {
 }
 
 TEST(Command, WhatIsNestedDeeplyIsRefusedAndNotTakenApart) {
-  const auto nested = [](int deep) { return std::string(deep, '[') + std::string(deep, ']'); };
+  const auto nested = [](int deep) { return std::string(deep, '[').append(deep, ']'); };
   EXPECT_THAT(refused(nested(8192)), HasSubstr("more than 8 deep"));
   EXPECT_THAT(refused(nested(9)), HasSubstr("more than 8 deep"));
   EXPECT_THAT(refused(nested(8)), HasSubstr("a JSON object"));

@@ -16,7 +16,7 @@
 namespace haptolith {
 namespace {
 
-const FrameEncoder::Space kSpace{Vec3(-0.1, -0.1, 0), Vec3(0.1, 0.1, 0.5)};
+const FrameSpace kSpace{Vec3(-0.1, -0.1, 0), Vec3(0.1, 0.1, 0.5)};
 
 SceneSnapshot still(std::size_t particles, double time_s) {
   SceneSnapshot snapshot;

@@ -2,7 +2,13 @@
 
 #include <utility>
 
+#include "haptolith/viewer/frame.h"
+
 namespace haptolith {
+
+Board::Board(Texts hello) : hello_(std::move(hello)) {}
+Board::Board(const std::string& hello) : Board(Texts{hello, hello}) {}
+Board::~Board() = default;
 
 void Board::setScene(const Texts& texts) {
   const std::scoped_lock lock(mutex_);
@@ -12,10 +18,10 @@ void Board::setScene(const Texts& texts) {
   put(texts);
 }
 
-void Board::setScene(const Texts& texts, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space) {
+void Board::setScene(const Texts& texts, std::uint32_t scene, std::size_t particles, const FrameSpace& space) {
   const std::scoped_lock lock(mutex_);
   put(texts);
-  encoder_.emplace(scene, particles, space, encoder_ ? encoder_->number() : 0);
+  encoder_ = std::make_unique<FrameEncoder>(scene, particles, space, encoder_ ? encoder_->number() : 0);
 }
 
 Board::Shared Board::shared(const Texts& texts) {
@@ -33,7 +39,7 @@ void Board::setStatus(const Texts& texts) {
   ++status_version_;
 }
 
-void Board::setPicture(const SceneSnapshot& snapshot, const FrameEncoder::Beside& beside) {
+void Board::setPicture(const SceneSnapshot& snapshot, const BesideSnapshot& beside) {
   const std::scoped_lock lock(mutex_);
   encoder_->take(snapshot, beside);
 }

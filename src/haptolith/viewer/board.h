@@ -5,11 +5,13 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <utility>
-
-#include "haptolith/viewer/frame.h"
 
 namespace haptolith {
+
+class FrameEncoder;
+struct BesideSnapshot;
+struct FrameSpace;
+struct SceneSnapshot;
 
 /// What every client shall see: the scene, the status, the newest picture. One thread puts it up; others ask what there
 /// is that a client has not seen yet. A client that asks seldom misses what lies between: nothing is queued for it.
@@ -32,15 +34,16 @@ class Board {
   };
 
   /// The first message to everybody is `hello`, in which "$client" stands for the client's number.
-  explicit Board(Texts hello) : hello_(std::move(hello)) {}
-  explicit Board(const std::string& hello) : Board(Texts{hello, hello}) {}
+  explicit Board(Texts hello);
+  explicit Board(const std::string& hello);
+  ~Board();
 
   /// Another scene, or other values of the one that is shown. With `particles` pictures begin anew.
   void setScene(const Texts& texts);
-  void setScene(const Texts& texts, std::uint32_t scene, std::size_t particles, const FrameEncoder::Space& space);
+  void setScene(const Texts& texts, std::uint32_t scene, std::size_t particles, const FrameSpace& space);
   void setStatus(const Texts& texts);
   void setStatus(const std::string& text) { setStatus({text, text}); }
-  void setPicture(const SceneSnapshot& snapshot, const FrameEncoder::Beside& beside);
+  void setPicture(const SceneSnapshot& snapshot, const BesideSnapshot& beside);
 
   /// The next message for a client, of which it is then taken to have seen it; none when it has seen everything.
   [[nodiscard]] std::optional<Message> next(std::uint32_t client, Seen& seen);
@@ -63,7 +66,7 @@ class Board {
   Texts hello_;
   Shared scene_, status_;
   std::uint32_t scene_version_ = 0, status_version_ = 0;
-  std::optional<FrameEncoder> encoder_;
+  std::unique_ptr<FrameEncoder> encoder_;
 };
 
 }  // namespace haptolith

@@ -99,7 +99,7 @@ void exportFilm(RecordedPictures& pictures, std::string_view version,
   pictures.forEach([&](const ScenePicture& picture) {
     if (!encoder) {
       const double surface_m = surfaceOf(picture, scenario.bed);
-      const FrameEncoder::Space space = shownSpace(scenario.bed, surface_m);
+      const FrameSpace space = shownSpace(scenario.bed, surface_m);
       SceneLookedAt shown{.scenario = scenario,
                           .soil = scenario.bed.soil,
                           .grains = runsOf(picture, scenario.bed.soil.radius_m),

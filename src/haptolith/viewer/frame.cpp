@@ -62,7 +62,7 @@ void putPose(std::string& bytes, const Pose& pose) {
 
 }  // namespace
 
-FrameEncoder::FrameEncoder(std::uint32_t scene, std::size_t particles, const Space& space, std::uint32_t after)
+FrameEncoder::FrameEncoder(std::uint32_t scene, std::size_t particles, const FrameSpace& space, std::uint32_t after)
     : scene_(scene),
       space_(space),
       after_(after),
@@ -70,7 +70,7 @@ FrameEncoder::FrameEncoder(std::uint32_t scene, std::size_t particles, const Spa
       records_(particles),
       changed_(particles / kGroup + 1) {}
 
-void FrameEncoder::take(const SceneSnapshot& snapshot, const Beside& beside) {
+void FrameEncoder::take(const SceneSnapshot& snapshot, const BesideSnapshot& beside) {
   const bool first = !hasPicture();
   ++number_;
   kept_.clear();

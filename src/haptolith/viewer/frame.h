@@ -12,28 +12,28 @@
 
 namespace haptolith {
 
+/// A space that holds the bed; what leaves it is shown at its border.
+struct FrameSpace {
+  Vec3 low_m, high_m;
+};
+
+/// What a snapshot does not know.
+struct BesideSnapshot {
+  std::optional<Pose> wanted = {};  ///< where the hand wants the tool
+  bool held = false;
+  std::span<const float> load_n = {};  ///< contact force of each particle; empty: unknown
+};
+
 /// Pictures of the bed as bytes: docs/protocol.md. Positions are quantised, and only particles whose bytes have changed
 /// since a client's last frame are in its next; stones are in all. Not thread-safe.
 class FrameEncoder {
  public:
-  /// A space that holds the bed; what leaves it is shown at its border.
-  struct Space {
-    Vec3 low_m, high_m;
-  };
-
   /// @param scene  number of the scene, counted up when the particles are others.
   /// @param after  number of the last picture of the scene before: a client that has seen no later one gets everything.
-  FrameEncoder(std::uint32_t scene, std::size_t particles, const Space& space, std::uint32_t after = 0);
-
-  /// What a snapshot does not know.
-  struct Beside {
-    std::optional<Pose> wanted = {};  ///< where the hand wants the tool
-    bool held = false;
-    std::span<const float> load_n = {};  ///< contact force of each particle; empty: unknown
-  };
+  FrameEncoder(std::uint32_t scene, std::size_t particles, const FrameSpace& space, std::uint32_t after = 0);
 
   /// Takes a newer snapshot of this scene.
-  void take(const SceneSnapshot& snapshot, const Beside& beside);
+  void take(const SceneSnapshot& snapshot, const BesideSnapshot& beside);
 
   /// Number of the picture that was taken last; that of the scene before until there is one.
   [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
@@ -43,7 +43,7 @@ class FrameEncoder {
   /// Clients that have seen the same share one buffer.
   [[nodiscard]] std::shared_ptr<const std::string> frameSince(std::uint32_t seen);
 
-  [[nodiscard]] const Space& space() const noexcept { return space_; }
+  [[nodiscard]] const FrameSpace& space() const noexcept { return space_; }
 
  private:
   struct Record {
@@ -61,7 +61,7 @@ class FrameEncoder {
   [[nodiscard]] std::string headFor(std::uint32_t runs, std::uint32_t records) const;
 
   std::uint32_t scene_;
-  Space space_;
+  FrameSpace space_;
   std::uint32_t after_, number_;
   std::vector<Record> records_;
   std::vector<std::uint32_t> changed_;  ///< number of the picture in which a group's records changed last

@@ -85,7 +85,7 @@ class LiveView {
   Clients clients_;
   Board board_;
   WebServer server_;
-  FrameEncoder::Space space_;
+  FrameSpace space_;
 
   std::string recording_;           ///< the file that was being written when last looked
   std::filesystem::path recorded_;  ///< the last one that is finished

@@ -240,7 +240,7 @@ OrderedJson stoneJson(const StoneShape& stone) {
   return {{"spheres", std::move(spheres)}};
 }
 
-Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space) {
+Board::Texts sceneMessages(const Session& session, const FrameSpace& space) {
   const Bed& bed = session.scene().bed();
   SceneLookedAt shown{.scenario = session.scenario(),
                       .soil = session.shown().bed.soil,
@@ -256,7 +256,7 @@ Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& sp
   return sceneMessages(shown, space);
 }
 
-FrameEncoder::Space shownSpace(const BedParameters& bed, double surface_m) {
+FrameSpace shownSpace(const BedParameters& bed, double surface_m) {
   constexpr double kAboveSurface_m = 0.4;
   constexpr double kBesideBox_m = 0.02;
   const double x = bed.width_m / 2 + kBesideBox_m;
@@ -264,7 +264,7 @@ FrameEncoder::Space shownSpace(const BedParameters& bed, double surface_m) {
   return {Vec3(-x, -y, -kBesideBox_m), Vec3(x, y, surface_m + kAboveSurface_m)};
 }
 
-Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space& space) {
+Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) {
   const Scenario& scenario = shown.scenario;
   const BedParameters& bed = scenario.bed;
   OrderedJson sliders = OrderedJson::array();

@@ -37,11 +37,11 @@ struct SceneLookedAt {
   Vec3 low_m, high_m;  ///< where the tool may be
   std::vector<std::shared_ptr<const StoneShape>> stones = {};
 };
-[[nodiscard]] Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameEncoder::Space& space);
-[[nodiscard]] Board::Texts sceneMessages(const Session& session, const FrameEncoder::Space& space);
+[[nodiscard]] Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space);
+[[nodiscard]] Board::Texts sceneMessages(const Session& session, const FrameSpace& space);
 
 /// The space around a bed that pictures show: thrown particles fly so high before they are shown at the border.
-[[nodiscard]] FrameEncoder::Space shownSpace(const BedParameters& bed, double surface_m);
+[[nodiscard]] FrameSpace shownSpace(const BedParameters& bed, double surface_m);
 
 /// A robot far away that follows the tool.
 struct RobotShown {
