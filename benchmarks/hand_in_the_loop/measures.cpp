@@ -105,6 +105,9 @@ void Observer::handle(double at_s, const Vec3& position_m, double energy_j) {
   m.energy_rise_mj = std::max(m.energy_rise_mj, energy_mj - lowest_mj_);
   m.energy_max_mj = std::max(m.energy_max_mj, energy_mj);
   m.energy_end_mj = energy_mj;
+  if (opened_at_mj_) {
+    m.opened_mj = std::max(m.opened_mj, energy_mj - *opened_at_mj_);
+  }
   if (energy_mj > bars_.energy_mj && m.first_excess_s < 0) {
     m.first_excess_s = at_s;
   }
@@ -115,6 +118,11 @@ void Observer::handle(double at_s, const Vec3& position_m, double energy_j) {
       quick_mm_[axis].push_back(quick_mm[axis]);
     }
   }
+}
+
+void Observer::open(double shown_n, double energy_j) {
+  measures_.opened_n = shown_n;
+  opened_at_mj_ = 1e3 * energy_j;
 }
 
 Measures Observer::measures() const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "packets.h"
@@ -24,6 +25,8 @@ struct Measures {
   double energy_max_mj = 0;  ///< the most that the sum since the start has been
   double energy_end_mj = 0;
   double energy_rise_mj = 0;   ///< the most that the sum has risen above an earlier value
+  double opened_n = 0;         ///< shown when the hand opened
+  double opened_mj = 0;        ///< the most that the sum has been since then, above its value then
   double first_excess_s = -1;  ///< since the script's start, when the sum first was above the bar; -1: never
   double vibration_mm = 0;     ///< above 6 Hz, peak to peak, in the last 2 s
   double vibration_hz = 0;
@@ -60,6 +63,8 @@ class Observer {
   void answer(double at_s, Phase phase, const Answer& answer);
   /// Once a millisecond; energy is the work of the shown force since the start.
   void handle(double at_s, const Vec3& position_m, double energy_j);
+  /// The hand opens, once.
+  void open(double shown_n, double energy_j);
   [[nodiscard]] Measures measures() const;
   /// True from when an answer has let go of the hand until one holds it again.
   [[nodiscard]] bool isReleased() const { return released_; }
@@ -84,6 +89,7 @@ class Observer {
   long in_soil_ = 0, released_in_soil_ = 0;
   Mean press_, draw_, still_, press_up_, still_up_;
   double lowest_mj_ = 0;
+  std::optional<double> opened_at_mj_;
   std::vector<double> releases_s_;
   std::array<HighPass, 3> quick_ = {HighPass(6), HighPass(6), HighPass(6)};
   std::array<std::vector<double>, 3> quick_mm_;  ///< in the last 2 s

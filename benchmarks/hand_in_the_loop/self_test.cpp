@@ -244,13 +244,18 @@ void testMeasures() {
     answer.number = static_cast<std::uint32_t>(i);
     answer.force_n.z = i < 500 ? 3 + 0.5 * (i == 100) : i < 600 ? 0 : 1;
     observer.answer(1e-3 * i, Phase::kStill, answer);
-    observer.handle(1e-3 * i, {}, i < 450 ? -0.01 : -0.002);
+    if (i == 475) {
+      observer.open(3, -0.002);
+    }
+    observer.handle(1e-3 * i, {}, i < 450 ? -0.01 : i < 480 ? -0.002 : i < 490 ? -0.0015 : -0.003);
   }
   const Measures m = observer.measures();
   near(m.largest_step_n_ms, 1, 1e-9, "largest step without the fall to zero");
   near(m.first_let_go_s, 0.5, 1e-9, "let go when the force falls to zero at once");
   near(m.let_go_share, 0.1, 1e-9, "share of let go");
-  near(m.energy_rise_mj, 8, 1e-9, "energy's rise");
+  near(m.energy_rise_mj, 8.5, 1e-9, "energy's rise");
+  near(m.opened_n, 3, 1e-9, "force when the hand opened");
+  near(m.opened_mj, 0.5, 1e-9, "energy since the hand opened");
   near(m.energy_max_mj, 0, 1e-9, "energy's maximum since the start");
 
   Measures shaken;

@@ -139,6 +139,10 @@ class Session {
       for (int i = 0; i < kSteps; ++i) {
         const double at_s = scriptTime(done_ns_ + kStep_ns / 2);
         const auto [hand, weight_n] = holder(at_s);
+        if (!open_ && in_step_ == nullptr && isOpen(at_s)) {
+          open_ = true;
+          observer_.open(length(device_.shown(done_ns_)), handle_.ledger().device_j);
+        }
         handle_.step(1e-9 * kStep_ns, device_.shown(done_ns_), hand, wanted(at_s), weight_n);
         done_ns_ += kStep_ns;
         device_.follow(done_ns_, handle_.position());
@@ -259,13 +263,17 @@ class Session {
     return in_step_ != nullptr ? in_step_->wanted(at_s) : wantedAt(settings_.script, grip_.opens, at_s);
   }
 
+  [[nodiscard]] bool isOpen(double at_s) const {
+    const Phase phase = settings_.script.phase(at_s);
+    return (grip_.opens == Grip::Opens::kAtSoil && phase >= Phase::kSettle) ||
+           (grip_.opens == Grip::Opens::kWhenStill && phase >= Phase::kStill);
+  }
+
   [[nodiscard]] std::pair<Hand, double> holder(double at_s) const {
     if (in_step_ != nullptr) {
       return {in_step_->hand, in_step_->weight_n};
     }
-    const Phase phase = settings_.script.phase(at_s);
-    const bool open = (grip_.opens == Grip::Opens::kAtSoil && phase >= Phase::kSettle) ||
-                      (grip_.opens == Grip::Opens::kWhenStill && phase >= Phase::kStill);
+    const bool open = isOpen(at_s);
     const double weight_n = settings_.handle_weight_n + (open ? settings_.weight_n : 0);
     return {open ? Hand{} : grip_.hand, weight_n};
   }
@@ -361,6 +369,7 @@ class Session {
   Observer observer_;
   double end_s_;
   std::int64_t done_ns_ = 0, start_ns_ = -1;
+  bool open_ = false;  ///< nobody holds the handle any more
   int restarts_ = 0;
   Reading reading_;
   Answer last_;
@@ -467,6 +476,8 @@ Json rowOf(const Settings& s, const Session& session, const Punctuality& punctua
           {"energy_max_mj", m.energy_max_mj},
           {"energy_end_mj", m.energy_end_mj},
           {"energy_rise_mj", m.energy_rise_mj},
+          {"opened_n", m.opened_n},
+          {"opened_mj", m.opened_mj},
           {"first_excess_s", m.first_excess_s},
           {"vibration_mm", m.vibration_mm},
           {"vibration_hz", m.vibration_hz},

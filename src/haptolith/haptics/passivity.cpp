@@ -28,11 +28,13 @@ constexpr double kLever_m = 0.05;
 constexpr double kCredit_j = 0.5e-3;
 constexpr double kLightestHandle_kg = 0.05;
 
-/// Brakes a handle that jumps along a force of unknown delay: less than pi m / (2 T), which a handle of 0.1 kg bears at
-/// 10 ms. Slower movements, and those that noise pretends, are not braked.
-constexpr double kJumpDamper_n_s_m = 15;
+/// Brakes a handle that jumps along a force of unknown delay; slower movements, and those that noise pretends, are not
+/// braked. A damper this strong and 10 ms late shakes a handle of 0.1 kg (above pi m / (2 T) = 16 N s/m), so it weakens
+/// as it brakes, and recovers slowly.
+constexpr double kJumpDamper_n_s_m = 25;
 constexpr double kJump_m_s = 0.01;
-constexpr double kJumpNoiseWidths = 1.5;
+constexpr double kBraked_s = 0.03;
+constexpr double kBrakedForgotten_s = 5;
 
 /// How long noise is measured over, and how many of its standard deviations the dead band is wide.
 constexpr double kNoise_s = 0.5;
@@ -73,6 +75,22 @@ Vec3 beyond(double half_width_m, const Vec3& moved_m) noexcept {
   return half_width_m > 0 ? Vec3(moved_m - moved_m.cwiseMin(half_width_m).cwiseMax(-half_width_m)) : moved_m;
 }
 
+/// The mean of the last three movements, axis by axis; none where only one of them is any, as when a device that moves
+/// slowly tells a single step now and then.
+Vec3 meanWithoutSingleSteps(const std::array<Vec3, 3>& moved_m) noexcept {
+  Vec3 mean_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    int moves = 0;
+    double sum_m = 0;
+    for (const Vec3& moved : moved_m) {
+      moves += moved[axis] != 0 ? 1 : 0;
+      sum_m += moved[axis];
+    }
+    mean_m[axis] = moves > 1 ? sum_m / 3 : 0;
+  }
+  return mean_m;
+}
+
 }  // namespace
 
 Passivity::Passivity(const PassivityParameters& parameters, double tick_s) noexcept
@@ -83,6 +101,7 @@ Passivity::Passivity(const PassivityParameters& parameters, double tick_s) noexc
                                   : kStrongest_n_s_m),
       quick_velocity_(tick_s),
       quick_rotation_(tick_s),
+      quick_jump_(tick_s),
       delay_(std::min(static_cast<std::size_t>(std::lround(parameters.delay_s / tick_s)), sent_.size() - 1)),
       accounts_{Account{0, QuickMovement(tick_s), QuickMovement(tick_s)},
                 Account{0, QuickMovement(tick_s), QuickMovement(tick_s)},
@@ -106,10 +125,7 @@ double Passivity::deadBand(const Vec3& position_m) noexcept {
   if (told_ == told_m_.size()) {
     const Vec3 third_m = position_m - 3 * told_m_[2] + 3 * told_m_[1] - told_m_[0];
     noise_m2_ += (third_m.cwiseAbs2().maxCoeff() / 20 - noise_m2_) * tick_s_ / kNoise_s;
-  } else {
-    ++told_;
   }
-  told_m_ = {told_m_[1], told_m_[2], position_m};
   return std::max(parameters_.resolution_m, kNoiseWidths * std::sqrt(noise_m2_));
 }
 
@@ -129,6 +145,8 @@ void Passivity::observe(const Pose& device, const Wrench& sent) noexcept {
   ++calls_;
   if (!known_) {
     last_ = device;
+    told_m_.back() = device.position_m;
+    told_ = 1;
     known_ = true;
     return;
   }
@@ -136,6 +154,10 @@ void Passivity::observe(const Pose& device, const Wrench& sent) noexcept {
   const Vec3 moved_m = beyond(dead_band_m, device.position_m - last_.position_m);
   twist_ = {moved_m / tick_s_, rotationBetween(last_.orientation, device.orientation) / tick_s_};
   last_ = {dead_band_m > 0 ? Vec3(last_.position_m + moved_m) : device.position_m, device.orientation};
+  lately_m_ = {lately_m_[1], lately_m_[2], device.position_m - told_m_.back()};
+  told_m_ = {told_m_[1], told_m_[2], device.position_m};
+  told_ = std::min(told_ + 1, told_m_.size());
+  jump_m_s_ = quick_jump_.step(meanWithoutSingleSteps(lately_m_) / tick_s_);
   quick_twist_ = {quick_velocity_.step(twist_.linear_m_s), quick_rotation_.step(twist_.angular_rad_s)};
   for (Account& account : std::span(accounts_).first(account_count_)) {
     count(account);
@@ -185,7 +207,7 @@ double Passivity::softening() const noexcept {
   return 1 / (1 + shaken_j_ / kShakingHalves_j);
 }
 
-double Passivity::affordable(const Wrench& wrench) const noexcept {
+double Passivity::affordable(const Wrench& wrench) noexcept {
   const double late_s = static_cast<double>(delay_) * tick_s_;
   const double asked_n =
       std::sqrt(wrench.force_n.squaredNorm() + wrench.torque_nm.squaredNorm() / (kLever_m * kLever_m));
@@ -193,9 +215,12 @@ double Passivity::affordable(const Wrench& wrench) const noexcept {
     return 1;
   }
   if (!parameters_.delay_known) {
-    const double jump_m_s = power(wrench, quick_twist_) / asked_n;
-    const double slow_m_s = kJump_m_s + kJumpNoiseWidths * std::sqrt(noise_m2_) / tick_s_;
-    return std::clamp(1 - kJumpDamper_n_s_m * (jump_m_s - slow_m_s) / asked_n, 0.0, 1.0);
+    const double jump_m_s = power(wrench, {jump_m_s_, quick_twist_.angular_rad_s}) / asked_n;
+    const double slow_m_s = kJump_m_s + std::sqrt(noise_m2_) / tick_s_;
+    const double damper_n_s_m = kJumpDamper_n_s_m * std::max(0.0, 1 - braked_s_ / kBraked_s);
+    const double left = std::clamp(1 - damper_n_s_m * (jump_m_s - slow_m_s) / asked_n, 0.0, 1.0);
+    braked_s_ += tick_s_ * (1 - left) - tick_s_ / kBrakedForgotten_s * braked_s_;
+    return left;
   }
   // What is on its way already, and how it will move the handle.
   Twist twist = twist_;

@@ -55,9 +55,11 @@ struct PassivityParameters {
 ///
 /// At an unknown delay such a limit would weaken the first touch of every device. There a force is reduced only while
 /// the handle jumps along it, as it does when a hand releases it: u is its velocity above 6 Hz along the force, s the
-/// standard deviation of noise.
+/// standard deviation of noise. u is the mean of three ticks, without the dead band, which would hide the first 3 ms of
+/// a jump; one step of the device alone is no jump. B is for how long the force was reduced, each tick counted by the
+/// share that it lost, and is forgotten within some 5 s: a strong damper that is late would keep a handle shaking.
 ///
-///     |F| -= (u - 0.01 m/s - 1.5 s / dt) 15 N s/m
+///     |F| -= (u - 0.01 m/s - s / dt) (1 - B / 30 ms) 25 N s/m
 ///
 /// Functions may be called in the tick.
 class Passivity {
@@ -75,7 +77,7 @@ class Passivity {
 
   /// Returns the fraction of this wrench to send, 0 to 1: what the hand has paid for, or at an unknown delay what a
   /// jumping handle is left; 1 for a device that shows it at once.
-  [[nodiscard]] double affordable(const Wrench& wrench) const noexcept;
+  [[nodiscard]] double affordable(const Wrench& wrench) noexcept;
 
   /// Forgets where the device was, how it moved and what was sent, but not what has been dissipated, nor how it shook:
   /// it is somewhere else, or has not been looked at for a while.
@@ -98,14 +100,17 @@ class Passivity {
   PassivityParameters parameters_;
   double tick_s_, strongest_damper_n_s_m_;
   bool known_ = false;
-  Pose last_;  ///< behind the dead band
+  Pose last_;                                                               ///< behind the dead band
+  std::array<Vec3, 3> lately_m_{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< the last movements, without a dead band
+  Vec3 jump_m_s_ = Vec3::Zero();
   Twist twist_, quick_twist_;
-  QuickMovement quick_velocity_, quick_rotation_;
+  QuickMovement quick_velocity_, quick_rotation_, quick_jump_;
   std::array<Wrench, 32> sent_;  ///< in the last ticks, round and round
   std::size_t delay_, calls_ = 0;
   std::array<Account, 6> accounts_;
   std::size_t account_count_;
   double forgiven_j_, shaken_j_ = 0;
+  double braked_s_ = 0;         ///< B
   std::array<Vec3, 3> told_m_;  ///< the last positions, oldest first
   std::size_t told_ = 0;
   double noise_m2_ = 0;  ///< variance of positions about a smooth movement, along the noisiest axis
