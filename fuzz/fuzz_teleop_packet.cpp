@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <span>
 
-#include "haptolith/teleop/site_map.h"
-#include "haptolith/teleop/teleop_packet.h"
+#include "haptolith/teleop/link/teleop_packet.h"
+#include "haptolith/teleop/operator/site_map.h"
 
 namespace {
 

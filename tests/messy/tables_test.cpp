@@ -9,7 +9,7 @@
 #include "haptolith/identify/measured_movement.h"
 #include "haptolith/psychometrics/answers_file.h"
 #include "haptolith/scenario/given_grains.h"
-#include "haptolith/teleop/link_parameters.h"
+#include "haptolith/teleop/link/link_parameters.h"
 
 #include "../shared/messy_inputs.h"
 #include "../source_dir.h"

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <thread>
 
-#include "haptolith/teleop/robot.h"
+#include "haptolith/teleop/robot/robot.h"
 
 #include "cdr.h"
 #include "fast_dds_peer.h"

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/command_track.h"
+#include "haptolith/teleop/link/command_track.h"
 
 #include <gtest/gtest.h>
 

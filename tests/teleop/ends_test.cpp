@@ -10,9 +10,9 @@
 
 #include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
-#include "haptolith/teleop/operator_end.h"
-#include "haptolith/teleop/packet_seal.h"
-#include "haptolith/teleop/robot_server.h"
+#include "haptolith/teleop/link/packet_seal.h"
+#include "haptolith/teleop/operator/operator_end.h"
+#include "haptolith/teleop/robot/robot_server.h"
 
 #include "../source_dir.h"
 

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/force_sensor.h"
+#include "haptolith/teleop/robot/force_sensor.h"
 
 #include <gtest/gtest.h>
 

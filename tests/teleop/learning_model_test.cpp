@@ -1,4 +1,4 @@
-#include "haptolith/teleop/learning_model.h"
+#include "haptolith/teleop/operator/learning_model.h"
 
 #include <gmock/gmock.h>
 

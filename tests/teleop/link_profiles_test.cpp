@@ -1,4 +1,4 @@
-#include "haptolith/teleop/link_profiles.h"
+#include "haptolith/teleop/link/link_profiles.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "haptolith/teleop/link.h"
+#include "haptolith/teleop/link/link.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/link.h"
+#include "haptolith/teleop/link/link.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/passive_end.h"
+#include "haptolith/teleop/robot/passive_end.h"
 
 #include <gtest/gtest.h>
 

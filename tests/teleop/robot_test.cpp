@@ -1,4 +1,4 @@
-#include "haptolith/teleop/robot.h"
+#include "haptolith/teleop/robot/robot.h"
 
 #include <gtest/gtest.h>
 

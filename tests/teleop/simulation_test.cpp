@@ -1,4 +1,4 @@
-#include "haptolith/teleop/simulation.h"
+#include "haptolith/teleop/bench/simulation.h"
 
 #include <gmock/gmock.h>
 
@@ -6,8 +6,8 @@
 
 #include "haptolith/bed/surface_height.h"
 #include "haptolith/identify/training_file.h"
-#include "haptolith/teleop/learning_model.h"
-#include "haptolith/teleop/link_profiles.h"
+#include "haptolith/teleop/link/link_profiles.h"
+#include "haptolith/teleop/operator/learning_model.h"
 
 namespace haptolith {
 namespace {

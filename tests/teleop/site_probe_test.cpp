@@ -1,4 +1,4 @@
-#include "haptolith/teleop/site_probe.h"
+#include "haptolith/teleop/operator/site_probe.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/site_robot.h"
+#include "haptolith/teleop/robot/site_robot.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "haptolith/core/error.h"
-#include "haptolith/teleop/operator_end.h"
+#include "haptolith/teleop/operator/operator_end.h"
 
 namespace haptolith {
 namespace {

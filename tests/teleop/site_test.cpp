@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "haptolith/teleop.h"
-#include "haptolith/teleop/site_camera.h"
-#include "haptolith/teleop/site_map.h"
-#include "haptolith/teleop/site_packet.h"
+#include "haptolith/teleop/link/site_packet.h"
+#include "haptolith/teleop/operator/site_map.h"
+#include "haptolith/teleop/robot/site_camera.h"
 #include "haptolith/tool/scene.h"
 
 namespace haptolith {

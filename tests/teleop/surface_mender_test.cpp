@@ -1,4 +1,4 @@
-#include "haptolith/teleop/surface_mender.h"
+#include "haptolith/teleop/operator/surface_mender.h"
 
 #include <gtest/gtest.h>
 

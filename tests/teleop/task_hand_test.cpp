@@ -1,4 +1,4 @@
-#include "haptolith/teleop/task_hand.h"
+#include "haptolith/teleop/operator/task_hand.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/task_judge.h"
+#include "haptolith/teleop/operator/task_judge.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/task_operator.h"
+#include "haptolith/teleop/operator/task_operator.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <deque>
 #include <limits>
 
-#include "haptolith/teleop/site_packet.h"
+#include "haptolith/teleop/link/site_packet.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/teleop/teleop_packet.h"
+#include "haptolith/teleop/link/teleop_packet.h"
 
 #include <gtest/gtest.h>
 

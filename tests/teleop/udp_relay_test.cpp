@@ -1,4 +1,4 @@
-#include "haptolith/teleop/udp_relay.h"
+#include "haptolith/teleop/link/udp_relay.h"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>

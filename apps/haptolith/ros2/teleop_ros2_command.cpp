@@ -13,7 +13,7 @@
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/haptics/loop_clock.h"
 #include "haptolith/ros2/ros2_arm.h"
-#include "haptolith/teleop/robot_server.h"
+#include "haptolith/teleop/robot/robot_server.h"
 
 #include "ros2/ros2_options.h"
 #include "shared/option_checks.h"

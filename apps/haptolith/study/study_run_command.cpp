@@ -24,7 +24,7 @@
 #include "haptolith/study/store/provenance.h"
 #include "haptolith/study/store/study_files.h"
 #include "haptolith/study/study_pages.h"
-#include "haptolith/teleop/learning_model.h"
+#include "haptolith/teleop/operator/learning_model.h"
 #include "haptolith/viewer/live_view.h"
 
 #include "commands.h"

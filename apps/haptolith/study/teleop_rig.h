@@ -8,8 +8,8 @@
 
 #include "haptolith/session/session_recording.h"
 #include "haptolith/study/session_rig.h"
-#include "haptolith/teleop/site_robot.h"
-#include "haptolith/teleop/task_judge.h"
+#include "haptolith/teleop/operator/task_judge.h"
+#include "haptolith/teleop/robot/site_robot.h"
 
 #include "teleop/robot_lead.h"
 

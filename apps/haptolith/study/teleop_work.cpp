@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "haptolith/identify/training_file.h"
-#include "haptolith/teleop/learning_model.h"
-#include "haptolith/teleop/surface_mender.h"
+#include "haptolith/teleop/operator/learning_model.h"
+#include "haptolith/teleop/operator/surface_mender.h"
 
 namespace haptolith {
 

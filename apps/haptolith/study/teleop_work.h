@@ -7,9 +7,9 @@
 
 #include "haptolith/identify/model_learner.h"
 #include "haptolith/study/rig.h"
-#include "haptolith/teleop/force_agreement.h"
-#include "haptolith/teleop/link_profiles.h"
-#include "haptolith/teleop/simulation.h"
+#include "haptolith/teleop/bench/simulation.h"
+#include "haptolith/teleop/link/link_profiles.h"
+#include "haptolith/teleop/operator/force_agreement.h"
 
 namespace haptolith {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/teleop/link_profiles.h"
+#include "haptolith/teleop/link/link_profiles.h"
 
 namespace CLI {
 class App;

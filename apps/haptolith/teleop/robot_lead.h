@@ -6,9 +6,9 @@
 
 #include "haptolith/session/session.h"
 #include "haptolith/session/session_recording.h"
-#include "haptolith/teleop/learning_model.h"
-#include "haptolith/teleop/operator_end.h"
-#include "haptolith/teleop/surface_mender.h"
+#include "haptolith/teleop/operator/learning_model.h"
+#include "haptolith/teleop/operator/operator_end.h"
+#include "haptolith/teleop/operator/surface_mender.h"
 
 namespace haptolith {
 

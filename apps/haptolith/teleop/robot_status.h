@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "haptolith/teleop/robot_server.h"
+#include "haptolith/teleop/robot/robot_server.h"
 
 namespace haptolith {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "haptolith/teleop/robot_server.h"
+#include "haptolith/teleop/robot/robot_server.h"
 
 namespace CLI {
 class App;

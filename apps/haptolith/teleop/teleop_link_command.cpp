@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "haptolith/core/stop_asked.h"
-#include "haptolith/teleop/udp_relay.h"
+#include "haptolith/teleop/link/udp_relay.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"

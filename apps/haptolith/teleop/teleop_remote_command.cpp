@@ -12,7 +12,7 @@
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/haptics/loop_clock.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/teleop/site_robot.h"
+#include "haptolith/teleop/robot/site_robot.h"
 
 #include "shared/option_checks.h"
 #include "shared/output.h"

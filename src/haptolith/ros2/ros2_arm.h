@@ -7,7 +7,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/ros2/ros2_node.h"
-#include "haptolith/teleop/robot_arm.h"
+#include "haptolith/teleop/robot/robot_arm.h"
 
 namespace haptolith {
 

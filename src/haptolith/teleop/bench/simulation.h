@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "haptolith/identify/strength_map.h"
+#include "haptolith/scenario/scenario.h"
+#include "haptolith/teleop/link/link.h"
+#include "haptolith/teleop/link/teleop_packet.h"
+#include "haptolith/teleop/operator/force_agreement.h"
+#include "haptolith/teleop/operator/learning_model.h"
+#include "haptolith/teleop/operator/task_operator.h"
+#include "haptolith/teleop/robot/robot.h"
+
+namespace haptolith {
+
+/// What the operator's hand feels.
+enum class Feedback : std::uint8_t {
+  kModel,      ///< a bed of its own, at once: model-mediated teleoperation
+  kNone,       ///< nothing: the tool goes through the air, and what the robot met is read off a display, late
+  kBilateral,  ///< what the robot's sensor tells, late, kept passive by PassiveEnd at both ends
+};
+
+/// A teleoperation in simulated time: a virtual hand, a link, a robot in a bed of its own.
+struct TeleopSetup {
+  Scenario model;  ///< the operator's scene; its hand moves the tool
+  Scenario site;   ///< the robot's; its tool digs there. Its hand and device do not count
+  RobotParameters robot;
+  LinkParameters up, down;
+  Feedback feedback = Feedback::kModel;
+  double duration_s = 30;
+  Sending sending;
+  double bilateral_period_s = 0.002;  ///< of kBilateral: there a force that is late counts
+  double robot_clock_share = 0;       ///< by which the robot's clock is too fast
+  /// A hand that does this, in place of the scene's manoeuvre; the run ends when it is done.
+  std::optional<SiteTask> task;
+  std::optional<double> lets_go_s;    ///< then the hand lets go of the tool; not with a task
+  std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel
+  bool mends = false;                 ///< the model's surface becomes the one that is seen: see SurfaceMender
+};
+
+struct TeleopRanges {
+  static constexpr Range duration_s{0.1, 1e5};
+  static constexpr Range period_s{1e-3, 1};
+  static constexpr Range site_period_s{1e-3, 60};
+  static constexpr Range lets_go_s{0, 1e5};
+  static constexpr Range clock_share{-0.01, 0.01};
+};
+
+/// How a task went.
+struct TaskResult {
+  double done_s = 0;  ///< when the operator has seen that it is done; NaN: not in this run
+  int strokes = 0;
+  double reached = 0;  ///< depth in m, or force in N: see TaskOperator
+};
+
+/// How it went.
+struct TeleopResult {
+  double duration_s = 0;          ///< a task may end it sooner
+  ForceAgreement agreement;       ///< force felt beside force met, by command
+  double free_m = 0, soil_m = 0;  ///< how far the robot's tool was from the command, at most: in the air, in soil
+  double given_j = 0;             ///< most energy that the hand had been given, less what it gave
+  double behind_s = 0;            ///< mean age of the command that the newest report was about
+  double followed_share = 0;      ///< of the time since commands first came
+  double taken_back_j = 0;        ///< kBilateral: by both ends
+  std::uint64_t ran_out = 0, stops = 0;      ///< see Robot
+  StopReason last_stop = StopReason::kNone;  ///< that the robot has not got over
+  LinkCounts up, down;
+  /// kModel, where the site has been dug, RMS: of its surface as the operator knows it, a round trip and a second after
+  /// it has come to rest; and of the model's surface beside it, in the end.
+  double known_surface_m = 0, apart_surface_m = 0;
+  std::optional<TaskResult> task;
+  std::optional<ModelSoil> learned;  ///< in the end
+  std::uint64_t updates = 0;         ///< of the model's soil
+  std::uint64_t mended = 0;          ///< its grains that were laid elsewhere
+  double update_j = 0;               ///< energy that soil pushed into the hand more than without updates, at most
+  /// Largest change of the force within 0.1 s of an update that the hand has not caused, over what is hardly felt:
+  /// 0.1 N, or 7 % of the force.
+  double update_jump = 0;
+  double most_update_jumps = 0;  ///< 95 % of them are no larger
+};
+
+/// Called now and then with the share that is done; false gives up.
+using TeleopProgress = std::function<bool(double share)>;
+
+/// Runs it. The same setup gives the same bits, with the same C library. Not for the tick.
+/// @throws InvalidParameter, Failure: as all parts of it; Failure when the hand left the scene, or `progress` gave up.
+[[nodiscard]] TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& progress = {});
+
+}  // namespace haptolith

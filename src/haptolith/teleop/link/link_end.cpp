@@ -1,0 +1,29 @@
+#include "haptolith/teleop/link/link_end.h"
+
+#include <random>
+
+#include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
+#include "haptolith/teleop/link/udp_address.h"
+
+namespace haptolith {
+
+std::uint32_t newSession() {
+  std::random_device random;
+  std::uint32_t session = 0;
+  while (session == 0) {
+    session = random();
+  }
+  return session;
+}
+
+void requireSafe(const char* key, const std::string& address, const EndOptions& options) {
+  const bool here = endpointOf(key, address).address().is_loopback();
+  if (!here && options.key.empty() && !options.insecure) {
+    throw InvalidParameter(key, inQuotes(address),
+                           "an address of this machine alone, such as 127.0.0.1:7410, unless packets are signed "
+                           "(--key-file, docs/teleop.md) or all users of the network are trusted (--insecure)");
+  }
+}
+
+}  // namespace haptolith

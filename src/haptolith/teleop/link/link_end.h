@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "haptolith/teleop/link/teleop_packet.h"
+
+namespace haptolith {
+
+/// Packets that came, and what became of them.
+struct PacketCounts {
+  std::uint64_t taken = 0;
+  std::uint64_t malformed = 0;
+  std::string first_malformed = {};  ///< why the first was not read
+  std::uint64_t forged = 0;          ///< do not prove that their sender knows the key
+  std::uint64_t greetings = 0;       ///< of who does not know this end's nonce yet
+  std::uint64_t replayed = 0;        ///< older than another, or of a session that is over
+  std::uint64_t strangers = 0;       ///< of others, while somebody is heard
+
+  [[nodiscard]] bool operator==(const PacketCounts&) const = default;
+};
+
+/// How either end of a link is reached, and whom it trusts.
+struct EndOptions {
+  std::string listen = "127.0.0.1:7410";
+  std::string key;        ///< 64 hexadecimal digits; empty: packets are not signed
+  bool insecure = false;  ///< without a key also beyond this machine
+  Sending sending;
+};
+
+/// A number to call a session by: drawn, never 0.
+[[nodiscard]] std::uint32_t newSession();
+
+/// @param key, address  where packets come from or go to. @throws InvalidParameter when that is no address, or is
+/// beyond this machine while packets are not signed and nobody has asked for that.
+void requireSafe(const char* key, const std::string& address, const EndOptions& options);
+
+}  // namespace haptolith

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "haptolith/teleop/link/link.h"
+#include "haptolith/teleop/link/link_profiles.h"
+
+namespace haptolith {
+
+struct UdpRelayOptions {
+  std::string listen = "127.0.0.1:7400";  ///< where the operator's program sends to: HOST:PORT; port 0: any
+  std::string to;                         ///< where the robot's program listens: HOST:PORT
+};
+
+/// A link between two programs that talk by UDP, in real time: what the first sends here comes to the second late, or
+/// not at all, and back. The first is whoever sends first, until it has been silent for ten seconds; nobody else is
+/// heard, but who they are is not proved: packets have to prove that themselves. Datagrams pass unread. Not for the
+/// tick.
+class UdpRelay {
+ public:
+  /// Listens. @throws InvalidParameter for an address that is none, and as Link; Failure when it cannot listen there.
+  UdpRelay(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options);
+  ~UdpRelay();
+
+  /// Passes packets on for so long. @throws Failure when the system takes no more.
+  void run(double duration_s);
+
+  [[nodiscard]] std::uint16_t port() const;
+  [[nodiscard]] const LinkCounts& up() const noexcept;
+  [[nodiscard]] const LinkCounts& down() const noexcept;
+  /// Packets that were not taken: of strangers, for a first one that there is not yet, or while 64 MiB are on their
+  /// way.
+  [[nodiscard]] std::uint64_t ignored() const noexcept;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace haptolith

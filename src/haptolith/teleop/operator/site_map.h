@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "haptolith/bed/surface_height.h"
+#include "haptolith/teleop/link/site_packet.h"
+
+namespace haptolith {
+
+/// What an operator knows of a robot's site: the newest of what came about each part, in whatever order packets came.
+/// Heights are over the site's zero.
+class SiteMap {
+ public:
+  /// False when it knows better already. Another robot, or another map, begins anew.
+  bool take(const SitePacket& packet);
+
+  [[nodiscard]] bool empty() const noexcept { return heights_m_.empty(); }
+  [[nodiscard]] const HeightGrid& grid() const noexcept { return grid_; }
+  /// Row by row, in m; NaN: not known.
+  [[nodiscard]] const std::vector<double>& heights() const noexcept { return heights_m_; }
+  /// Command that the robot had come to when it saw each cell.
+  [[nodiscard]] const std::vector<std::uint64_t>& commands() const noexcept { return commands_; }
+  /// How many packets it has taken: another number, and it may have changed.
+  [[nodiscard]] std::uint64_t taken() const noexcept { return taken_; }
+
+ private:
+  std::uint32_t robot_session_ = 0;
+  HeightGrid grid_;
+  std::vector<double> heights_m_;
+  std::vector<std::uint64_t> numbers_;  ///< of the packet that each cell is known from
+  std::vector<std::uint64_t> commands_;
+  std::uint64_t taken_ = 0;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "haptolith/core/movement.h"
+#include "haptolith/device/hand/arm.h"
+#include "haptolith/teleop/link/command_track.h"
+#include "haptolith/teleop/link/robot_report.h"
+#include "haptolith/teleop/robot/force_sensor.h"
+#include "haptolith/teleop/robot/robot_arm.h"
+#include "haptolith/tool/scene.h"
+
+namespace haptolith {
+
+/// A robot's arm and what keeps it safe. Lengths are in its site frame, z above the soil's first surface.
+struct RobotParameters {
+  /// What pulls the tool after the command: as stiff as a compliant arm, its damping 0.73 of critical.
+  ArmParameters arm{.mass_kg = 1, .damping_n_s_m = 180, .stiffness_n_m = 15000, .lever_m = 0.1};
+  double max_force_n = 60;     ///< it pulls no harder; the tool then stays behind the command
+  double stop_force_n = 100;   ///< it holds when its sensor tells more, for 20 ms
+  double max_speed_m_s = 0.5;  ///< of the tool; commands that are faster are followed late
+  double jump_m_s = 2;         ///< between two keys: no hand is so fast
+  double approach_m_s = 0.1;   ///< while it goes somewhere by itself
+  double approach_rad_s = 1;   ///< likewise
+  double clear_m = 0.08;       ///< height at which it goes across
+  double playout_s = 0.02;     ///< of commands that it keeps in hand at first against jitter; more when they run out
+  double longest_gap_s = 0.5;  ///< between two keys, to be bridged
+  double silence_s = 3;        ///< without a command it retracts; it has stood still since the last
+  double hold_s = 1;           ///< it stands still so long when it has stopped for another reason
+  Vec3 lowest_m{-0.5, -0.5, -0.3},
+      highest_m{0.5, 0.5, 0.5};  ///< its workspace: commands beyond are followed to its edge
+  ForceSensorParameters sensor;
+
+  [[nodiscard]] bool operator==(const RobotParameters&) const = default;
+};
+
+struct RobotRanges {
+  static constexpr Range force_n{0, 1e4, Ends::kOpenBelow};
+  static constexpr Range speed_m_s{0, 10, Ends::kOpenBelow};
+  static constexpr Range turning_rad_s{0, 100, Ends::kOpenBelow};
+  static constexpr Range length_m{-10, 10};
+  static constexpr Range time_s{0, 60};
+};
+
+/// @throws InvalidParameter with the key, the value and the valid range: also for an arm that a tick cannot follow.
+void validate(const RobotParameters& robot, double tick_s);
+
+/// A robot that follows commands by their index: an arm, and what keeps it safe. The arm is a stand-in that digs in a
+/// bed of its own, or another's. It needs no clock in common with the operator: it carries a command out when it comes,
+/// in order, at the pace of its own ticks, up to a tenth faster when many wait. tick() allocates nothing with a
+/// stand-in.
+class Robot {
+ public:
+  /// @param scene  its bed and tool; it puts the tool at home.
+  /// @param surface_m  height of the soil's surface in that scene: the site frame's zero.
+  /// @throws InvalidParameter as validate().
+  Robot(const RobotParameters& parameters, Scene& scene, double surface_m, const Pose& home);
+  /// With another arm, which may be anywhere, and be moved by others while no operator wants it: each approach begins
+  /// where the tool is. While the arm is not ready the robot is taring. @throws InvalidParameter as validate().
+  Robot(const RobotParameters& parameters, std::unique_ptr<RobotArm> arm, double tick_s);
+
+  /// What a packet brought: keys of an operator's program that calls itself `session`.
+  void take(std::uint32_t session, bool held, std::span<const CommandKey> keys);
+  /// Asks its sensor for a new zero when it next hangs still in the air: not while it follows.
+  void tare() noexcept { wants_tare_ = true; }
+
+  void tick();
+
+  /// What happened since the last call.
+  [[nodiscard]] RobotReport report() noexcept;
+
+  [[nodiscard]] RobotState state() const noexcept { return state_; }
+  [[nodiscard]] StopReason reason() const noexcept { return reason_; }
+  [[nodiscard]] std::uint32_t session() const noexcept { return session_; }
+  /// The newest command that has come; 0: none.
+  [[nodiscard]] std::uint64_t newest() const noexcept { return track_.empty() ? 0 : track_.newest(); }
+  /// The command that it carries out.
+  [[nodiscard]] double index() const noexcept { return play_; }
+  [[nodiscard]] const Movement& tool() const noexcept { return tool_; }  ///< site frame
+  [[nodiscard]] const HandState& wanted() const noexcept { return wanted_; }
+  [[nodiscard]] const Wrench& met() const noexcept { return met_; }  ///< as the sensor told it last
+  [[nodiscard]] bool atForceCap() const noexcept { return at_force_cap_; }
+  [[nodiscard]] bool atSpeedCap() const noexcept { return at_speed_cap_; }
+  [[nodiscard]] bool atWorkspaceEdge() const noexcept { return at_edge_; }
+  /// How often commands ran out before the next came.
+  [[nodiscard]] std::uint64_t ranOut() const noexcept { return ran_out_; }
+  [[nodiscard]] std::uint64_t stops() const noexcept { return stops_; }
+
+ private:
+  void play();
+  void bridge();
+  void decide();
+  void stop(StopReason reason) noexcept;
+  void become(RobotState state) noexcept;
+  void follow(const HandState& command) noexcept;
+  void approach(const HandState& command) noexcept;
+  void rise() noexcept;
+  [[nodiscard]] HandState command() noexcept;
+  void want(const Pose& pose, double opening) noexcept;
+  void moveTool() noexcept;
+  void account() noexcept;
+
+  [[nodiscard]] bool commandsArm() const noexcept;
+
+  RobotParameters parameters_;
+  double tick_s_;
+  std::unique_ptr<RobotArm> arm_;
+  bool begins_at_tool_ = false;  ///< an approach does, since others may have moved the arm
+  CommandTrack track_;
+
+  RobotState state_ = RobotState::kTaring;
+  StopReason reason_ = StopReason::kNone;
+  std::uint32_t session_ = 0;
+  bool held_ = false;
+  bool wants_tare_ = false;
+  double in_state_s_ = 0, silent_s_ = 0, too_strong_s_ = 0;
+  double play_ = 0;     ///< index that is carried out
+  double pace_ = 0;     ///< indices in the last tick
+  bool plays_ = false;  ///< else it waits for `playout_s` of commands
+  double playout_s_;
+  bool descends_ = false;  ///< the last part of an approach
+  HandState wanted_;
+  Movement tool_;
+  Wrench met_;
+  bool at_force_cap_ = false, at_speed_cap_ = false, at_edge_ = false;
+  std::uint64_t ran_out_ = 0, stops_ = 0;
+
+  // Since the last report.
+  Wrench sum_;
+  std::uint32_t readings_ = 0;
+  double reported_index_ = 0;
+};
+
+}  // namespace haptolith
