@@ -5,12 +5,12 @@
 #include <benchmark/benchmark.h>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/histogram.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/tool/tool_contact.h"
 
 namespace haptolith {

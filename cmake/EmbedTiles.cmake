@@ -30,7 +30,7 @@ extern \"C\" __attribute__((visibility(\"hidden\"))) const char haptolith_tile_$
 endforeach()
 file(WRITE ${OUTPUT}
 "// Made of scenarios/tiles by cmake/EmbedTiles.cmake.
-#include \"haptolith/bed/ready_tile.h\"
+#include \"haptolith/bed/start/ready_tile.h\"
 
 #include <cstddef>
 

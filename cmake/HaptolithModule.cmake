@@ -117,7 +117,7 @@ endfunction()
 # libhaptolith.so, as haptolith::haptolith: shows what version.map names and nothing else.
 function(haptolith_shared_library target output_name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
-  set(version_map ${PROJECT_SOURCE_DIR}/src/haptolith/library/version.map)
+  set(version_map ${PROJECT_SOURCE_DIR}/src/haptolith/c_api/version.map)
   add_library(${target} SHARED ${ARG_SOURCES})
   add_library(haptolith::${output_name} ALIAS ${target})
   target_include_directories(${target} INTERFACE

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "haptolith/core/error.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 
 using namespace haptolith;
 

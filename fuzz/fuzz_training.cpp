@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "haptolith/core/error.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptolith;

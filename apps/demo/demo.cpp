@@ -19,11 +19,11 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/bed/ready_tile.h"
-#include "haptolith/bed/tile_cache.h"
+#include "haptolith/bed/start/ready_tile.h"
+#include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/machine/finest_grain.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/session/session.h"

@@ -14,10 +14,10 @@
 #include <string>
 #include <string_view>
 
-#include "haptolith/bed/ready_tile.h"
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
+#include "haptolith/bed/start/ready_tile.h"
 #include "haptolith/core/error.h"
-#include "haptolith/device/open_device.h"
+#include "haptolith/device/drivers/open_device.h"
 
 // Of Linux, and missing in emscripten's C library: nothing here depends on being granted any of it.
 extern "C" {

@@ -12,7 +12,7 @@
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"

@@ -11,8 +11,8 @@
 #include <mutex>
 #include <string>
 
-#include "haptolith/bed/simd_target.h"
-#include "haptolith/bed/tile_cache.h"
+#include "haptolith/bed/kernel/simd_target.h"
+#include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 

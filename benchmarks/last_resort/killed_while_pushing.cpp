@@ -23,10 +23,10 @@
 #include <string_view>
 #include <thread>
 
-#include "haptolith/core/shared_library.h"
-#include "haptolith/core/signal_stack.h"
+#include "haptolith/core/process/shared_library.h"
+#include "haptolith/core/process/signal_stack.h"
 #include "haptolith/device/drivers/force_dimension.h"
-#include "haptolith/haptics/last_resort.h"
+#include "haptolith/haptics/safety/last_resort.h"
 
 #include "force_dimension_stand_in.h"
 

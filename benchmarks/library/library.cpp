@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 
 namespace {
 

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/exchange/lammps_export.h"
-#include "haptolith/lab/lab_bed.h"
+#include "haptolith/lab/apparatus/lab_bed.h"
+#include "haptolith/lammps/lammps_export.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/contact_law.h"
 

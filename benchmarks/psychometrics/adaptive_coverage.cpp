@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/study/adaptive_results.h"
-#include "haptolith/study/protocol.h"
-#include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/protocol/protocol.h"
+#include "haptolith/study/results/adaptive_results.h"
+#include "haptolith/study/run/simulated_participant.h"
 
 namespace {
 

@@ -19,8 +19,8 @@
 
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/goodness_of_fit.h"
-#include "haptolith/psychometrics/group.h"
-#include "haptolith/psychometrics/group_difference.h"
+#include "haptolith/psychometrics/group/group.h"
+#include "haptolith/psychometrics/group/group_difference.h"
 
 #include "paper_experiments.h"
 

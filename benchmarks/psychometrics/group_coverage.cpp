@@ -17,7 +17,7 @@
 
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/goodness_of_fit.h"
-#include "haptolith/psychometrics/group.h"
+#include "haptolith/psychometrics/group/group.h"
 
 #include "paper_experiments.h"
 

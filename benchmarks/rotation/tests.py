@@ -10,7 +10,7 @@ from grains import (BODY, EARTH, SOIL, TOOL, Box, Soil, lammps, head, loose, rea
 SHEAR_STRESSES_PA = (1000, 3000)
 INERTIAL_NUMBER = 0.02  # at the smallest stress
 RESIDUAL_FROM, STRAIN = 2, 3.6
-BEVERLOO_C, BEVERLOO_K = 0.58, 1.4  # as src/haptolith/lab/beverloo.h
+BEVERLOO_C, BEVERLOO_K = 0.58, 1.4  # as src/haptolith/lab/theory/beverloo.h
 
 
 def read_columns(path):
@@ -151,7 +151,7 @@ def funnel(folder, grain, seed, opening, poured=False):
 
 
 def heap_angle(centres, r):
-    """heapProfile() of src/haptolith/lab/heap_profile.cpp with rings of 4 R about x = y = 0, floor at 0."""
+    """heapProfile() of src/haptolith/lab/apparatus/heap_profile.cpp with rings of 4 R about x = y = 0, floor at 0."""
     width = 4 * r
     highest = {}
     for x, y, z in centres:

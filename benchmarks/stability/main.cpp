@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/in_parallel.h"
+#include "haptolith/core/process/in_parallel.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/soil/bodies.h"

@@ -4,7 +4,7 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/haptics/coupling.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 
 namespace haptolith {
 

@@ -23,9 +23,9 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
-#include "haptolith/lab/contact_network.h"
-#include "haptolith/lab/lab_bed.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
+#include "haptolith/lab/apparatus/contact_network.h"
+#include "haptolith/lab/apparatus/lab_bed.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
 

@@ -1,4 +1,4 @@
-#include "haptolith/bed/bed_start.h"
+#include "haptolith/bed/start/bed_start.h"
 
 #include <gmock/gmock.h>
 

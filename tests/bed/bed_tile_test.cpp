@@ -1,4 +1,4 @@
-#include "haptolith/bed/bed_tile.h"
+#include "haptolith/bed/start/bed_tile.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "haptolith/bed/step_kernel.h"
+#include "haptolith/bed/kernel/step_kernel.h"
 #include "haptolith/core/vec.h"
 
 #include "contact_friction_reference.h"

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/bed/start/bed_start.h"
 
 namespace haptolith {
 namespace {

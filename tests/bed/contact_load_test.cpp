@@ -1,4 +1,4 @@
-#include "haptolith/bed/contact_load.h"
+#include "haptolith/bed/measure/contact_load.h"
 
 #include <gtest/gtest.h>
 

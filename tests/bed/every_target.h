@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
 
 namespace haptolith {
 

@@ -8,7 +8,7 @@
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law.h"
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/bed/ready_tile.h"
+#include "haptolith/bed/start/ready_tile.h"
 
 #include <gtest/gtest.h>
 

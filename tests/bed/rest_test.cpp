@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/bed/start/bed_start.h"
 #include "haptolith/core/error.h"
 #include "haptolith/soil/layers.h"
 #include "haptolith/soil/presets.h"

@@ -1,4 +1,4 @@
-#include "haptolith/bed/spatial_order.h"
+#include "haptolith/bed/start/spatial_order.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/contact_lists.h"
+#include "haptolith/bed/start/bed_start.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

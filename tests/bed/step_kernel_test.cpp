@@ -1,4 +1,4 @@
-#include "haptolith/bed/step_kernel.h"
+#include "haptolith/bed/kernel/step_kernel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/bed/stone_kernel.h"
+#include "haptolith/bed/kernel/stone_kernel.h"
 
 #include <gmock/gmock.h>
 

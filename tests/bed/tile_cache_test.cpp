@@ -1,4 +1,4 @@
-#include "haptolith/bed/tile_cache.h"
+#include "haptolith/bed/start/tile_cache.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>

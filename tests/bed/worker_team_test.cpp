@@ -1,4 +1,4 @@
-#include "haptolith/bed/worker_team.h"
+#include "haptolith/core/process/worker_team.h"
 
 #include <gtest/gtest.h>
 #include <pthread.h>

@@ -1,4 +1,4 @@
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/input_file.h"
+#include "haptolith/core/files/input_file.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/files/atomic_folder.h"
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "haptolith/core/in_parallel.h"
+#include "haptolith/core/process/in_parallel.h"
 
 #include <gtest/gtest.h>
 

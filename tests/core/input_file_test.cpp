@@ -1,4 +1,4 @@
-#include "haptolith/core/input_file.h"
+#include "haptolith/core/files/input_file.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/stop_asked.h"
+#include "haptolith/core/process/stop_asked.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/core/table.h"
+#include "haptolith/core/files/table.h"
 
 #include <gmock/gmock.h>
 

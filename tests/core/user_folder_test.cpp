@@ -1,4 +1,4 @@
-#include "haptolith/core/user_folder.h"
+#include "haptolith/core/files/user_folder.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

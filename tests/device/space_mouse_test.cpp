@@ -17,8 +17,8 @@
 #include <optional>
 #include <thread>
 
-#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/process/child_process.h"
 
 #include "allocations.h"
 #include "eventually.h"

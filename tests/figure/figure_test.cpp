@@ -20,8 +20,8 @@
 #include <string>
 #include <utility>
 
-#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/process/child_process.h"
 
 namespace haptolith {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/tool_mesh.h"
 

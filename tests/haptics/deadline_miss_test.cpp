@@ -1,4 +1,4 @@
-#include "haptolith/haptics/deadline_miss.h"
+#include "haptolith/haptics/loop/deadline_miss.h"
 
 #include <gtest/gtest.h>
 

@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "haptolith/core/clock.h"
-#include "haptolith/haptics/haptic_loop.h"
-#include "haptolith/haptics/last_resort.h"
-#include "haptolith/haptics/loop_thread.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
+#include "haptolith/haptics/loop/loop_thread.h"
+#include "haptolith/haptics/safety/last_resort.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

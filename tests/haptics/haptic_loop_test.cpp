@@ -1,4 +1,4 @@
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

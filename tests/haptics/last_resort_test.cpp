@@ -1,4 +1,4 @@
-#include "haptolith/haptics/last_resort.h"
+#include "haptolith/haptics/safety/last_resort.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -1,6 +1,6 @@
 // What another thread asks of a running loop: pause, slow motion, another soil, gravity, tool or scene.
 
-#include "haptolith/haptics/loop_request.h"
+#include "haptolith/haptics/loop/loop_request.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

@@ -1,4 +1,4 @@
-#include "haptolith/haptics/loop_statistics.h"
+#include "haptolith/haptics/loop/loop_statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/haptics/loop_thread.h"
+#include "haptolith/haptics/loop/loop_thread.h"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

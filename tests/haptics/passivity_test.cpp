@@ -1,4 +1,4 @@
-#include "haptolith/haptics/passivity.h"
+#include "haptolith/haptics/safety/passivity.h"
 
 #include <gtest/gtest.h>
 

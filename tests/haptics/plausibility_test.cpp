@@ -1,4 +1,4 @@
-#include "haptolith/haptics/plausibility.h"
+#include "haptolith/haptics/safety/plausibility.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/haptics/safety_layer.h"
+#include "haptolith/haptics/safety/safety_layer.h"
 
 #include <gtest/gtest.h>
 

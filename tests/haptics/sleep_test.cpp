@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/soil/presets.h"
-#include "haptolith/tool/scene.h"
 
 namespace haptolith {
 namespace {

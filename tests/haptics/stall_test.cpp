@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "haptolith/core/clock.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

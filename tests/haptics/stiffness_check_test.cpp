@@ -1,4 +1,4 @@
-#include "haptolith/haptics/stiffness_check.h"
+#include "haptolith/haptics/loop/stiffness_check.h"
 
 #include <gmock/gmock.h>
 

@@ -9,7 +9,7 @@
 
 #include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

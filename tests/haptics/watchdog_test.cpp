@@ -1,4 +1,4 @@
-#include "haptolith/haptics/watchdog.h"
+#include "haptolith/haptics/safety/watchdog.h"
 
 #include <gmock/gmock.h>
 #include <pthread.h>

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
-#include "haptolith/identify/force_emulator.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/force_emulator.h"
+#include "haptolith/identify/training/training_file.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/identify/digging.h"
+#include "haptolith/identify/training/digging.h"
 
 #include <gmock/gmock.h>
 
@@ -7,8 +7,8 @@
 #include <set>
 #include <string_view>
 
-#include "haptolith/bed/simd_target.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/bed/kernel/simd_target.h"
+#include "haptolith/identify/training/training_file.h"
 
 namespace haptolith {
 namespace {

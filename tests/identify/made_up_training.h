@@ -6,8 +6,8 @@
 #include <random>
 
 #include "haptolith/core/random.h"
-#include "haptolith/identify/force_emulator.h"
-#include "haptolith/identify/soil_sample.h"
+#include "haptolith/identify/training/force_emulator.h"
+#include "haptolith/identify/training/soil_sample.h"
 
 namespace haptolith {
 

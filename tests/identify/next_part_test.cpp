@@ -1,11 +1,10 @@
-#include "haptolith/identify/next_part.h"
-
 #include <gmock/gmock.h>
 
 #include <algorithm>
 
-#include "haptolith/identify/parts_check.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/check/parts_check.h"
+#include "haptolith/identify/next_measurement.h"
+#include "haptolith/identify/training/training_file.h"
 
 #include "made_up_training.h"
 

@@ -1,4 +1,4 @@
-#include "haptolith/identify/ridge.h"
+#include "haptolith/identify/training/ridge.h"
 
 #include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>

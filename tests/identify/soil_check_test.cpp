@@ -1,8 +1,8 @@
-#include "haptolith/identify/soil_check.h"
+#include "haptolith/identify/check/soil_check.h"
 
 #include <gmock/gmock.h>
 
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 
 #include "../source_dir.h"
 #include "made_up_training.h"

@@ -1,8 +1,8 @@
-#include "haptolith/identify/strength_map.h"
+#include "haptolith/identify/training/strength_map.h"
 
 #include <gmock/gmock.h>
 
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 
 #include "made_up_training.h"
 

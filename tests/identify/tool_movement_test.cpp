@@ -1,4 +1,4 @@
-#include "haptolith/identify/tool_movement.h"
+#include "haptolith/identify/training/tool_movement.h"
 
 #include <gmock/gmock.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "haptolith/identify/digging.h"
+#include "haptolith/identify/training/digging.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 
 #include <gmock/gmock.h>
 

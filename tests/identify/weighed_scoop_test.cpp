@@ -7,13 +7,13 @@
 #include <random>
 #include <span>
 
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/random.h"
 #include "haptolith/identify/soil_belief.h"
-#include "haptolith/identify/soil_sample.h"
-#include "haptolith/identify/tool_movement.h"
+#include "haptolith/identify/training/soil_sample.h"
+#include "haptolith/identify/training/tool_movement.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/soil/contact_strength.h"
-#include "haptolith/tool/scene.h"
 #include "haptolith/tool/tool_mesh.h"
 
 #include "../source_dir.h"

@@ -1,4 +1,4 @@
-#include "haptolith/lab/bearing_capacity.h"
+#include "haptolith/lab/theory/bearing_capacity.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/beverloo.h"
+#include "haptolith/lab/theory/beverloo.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/blade.h"
+#include "haptolith/lab/tests/blade.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/lab/earthmoving.h"
-#include "haptolith/lab/wedge.h"
+#include "haptolith/lab/theory/earthmoving.h"
+#include "haptolith/lab/theory/wedge.h"
 
 #include "small_soil.h"
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/carry.h"
+#include "haptolith/lab/tests/carry.h"
 
 #include <gtest/gtest.h>
 

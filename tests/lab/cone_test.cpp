@@ -1,4 +1,4 @@
-#include "haptolith/lab/cone.h"
+#include "haptolith/lab/tests/cone.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/contact_network.h"
+#include "haptolith/lab/apparatus/contact_network.h"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/random.h"
-#include "haptolith/lab/lab_bed.h"
+#include "haptolith/lab/apparatus/lab_bed.h"
 #include "haptolith/tool/tool_shape.h"
 
 #include "lab_soils.h"

@@ -1,4 +1,4 @@
-#include "haptolith/lab/cut.h"
+#include "haptolith/lab/tests/cut.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/earthmoving.h"
+#include "haptolith/lab/theory/earthmoving.h"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

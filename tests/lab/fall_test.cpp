@@ -1,4 +1,4 @@
-#include "haptolith/lab/fall.h"
+#include "haptolith/lab/tests/fall.h"
 
 #include <gtest/gtest.h>
 

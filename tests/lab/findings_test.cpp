@@ -1,11 +1,11 @@
-#include "haptolith/lab/findings.h"
+#include "haptolith/lab/report/findings.h"
 
 #include <gmock/gmock.h>
 
 #include <numbers>
 #include <optional>
 
-#include "haptolith/lab/over_seeds.h"
+#include "haptolith/lab/report/specimen_statistics.h"
 
 namespace haptolith {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptolith/lab/funnel.h"
+#include "haptolith/lab/tests/funnel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/grain.h"
+#include "haptolith/lab/tests/grain.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/heap_profile.h"
+#include "haptolith/lab/apparatus/heap_profile.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/lab_bed.h"
+#include "haptolith/lab/apparatus/lab_bed.h"
 
 #include <gtest/gtest.h>
 

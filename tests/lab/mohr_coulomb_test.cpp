@@ -1,4 +1,4 @@
-#include "haptolith/lab/mohr_coulomb.h"
+#include "haptolith/lab/theory/mohr_coulomb.h"
 
 #include <gtest/gtest.h>
 

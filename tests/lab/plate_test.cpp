@@ -1,4 +1,4 @@
-#include "haptolith/lab/plate.h"
+#include "haptolith/lab/tests/plate.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/pressure_sinkage.h"
+#include "haptolith/lab/theory/pressure_sinkage.h"
 
 #include <gtest/gtest.h>
 

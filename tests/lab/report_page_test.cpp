@@ -1,4 +1,4 @@
-#include "haptolith/lab/report_page.h"
+#include "haptolith/lab/report/report_page.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>

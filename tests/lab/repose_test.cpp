@@ -1,4 +1,4 @@
-#include "haptolith/lab/repose.h"
+#include "haptolith/lab/tests/repose.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/resistive_comparison.h"
+#include "haptolith/lab/tests/resistive_comparison.h"
 
 #include <gtest/gtest.h>
 

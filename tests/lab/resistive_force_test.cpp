@@ -1,4 +1,4 @@
-#include "haptolith/lab/resistive_force.h"
+#include "haptolith/lab/theory/resistive_force.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/settle.h"
+#include "haptolith/lab/apparatus/settle.h"
 
 #include <gtest/gtest.h>
 

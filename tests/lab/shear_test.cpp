@@ -1,4 +1,4 @@
-#include "haptolith/lab/shear.h"
+#include "haptolith/lab/tests/shear.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

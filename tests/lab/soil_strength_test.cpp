@@ -1,4 +1,4 @@
-#include "haptolith/lab/soil_strength.h"
+#include "haptolith/lab/tests/soil_strength.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/straight_line.h"
+#include "haptolith/lab/theory/straight_line.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/lab/validation.h"
+#include "haptolith/lab/report/validation.h"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 // their equations are held against balances of forces that are written down here on their own: the centre wedge, the
 // crescents as thin slices that are added up, with volumes and areas from their corners, and the weakest of many
 // failure surfaces.
-#include "haptolith/lab/wedge.h"
+#include "haptolith/lab/theory/wedge.h"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

@@ -65,7 +65,7 @@ done < "$source/debian/tests/control"
 
 # As a part of somebody's build, with the packages that docs/library.md names, and no others of ours.
 needs $(sed -n '/add_subdirectory(haptolith)/,/to build/p' "$source/docs/library.md" | grep -oE 'lib[a-z0-9-]+-dev|nlohmann-json3-dev') g++ cmake ninja-build pkg-config
-run add-subdirectory 'tests/library/consumers.sh add_subdirectory installed "$AUTOPKGTEST_TMP/work"'
+run add-subdirectory 'tests/c_api/consumers.sh add_subdirectory installed "$AUTOPKGTEST_TMP/work"'
 
 # The first hour, for a robotics engineer and in Python, from what is installed.
 run first-hour 'cp -r /usr/share/doc/haptolith/examples "$AUTOPKGTEST_TMP" && cd "$AUTOPKGTEST_TMP/examples" && find . -name "*.gz" -exec gunzip {} + &&

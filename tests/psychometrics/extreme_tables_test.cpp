@@ -14,7 +14,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/fit_json.h"
-#include "haptolith/psychometrics/group.h"
+#include "haptolith/psychometrics/group/group.h"
 
 namespace haptolith {
 namespace {

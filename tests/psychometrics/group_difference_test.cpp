@@ -1,4 +1,4 @@
-#include "haptolith/psychometrics/group_difference.h"
+#include "haptolith/psychometrics/group/group_difference.h"
 
 #include <gmock/gmock.h>
 

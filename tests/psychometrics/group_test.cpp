@@ -1,4 +1,4 @@
-#include "haptolith/psychometrics/group.h"
+#include "haptolith/psychometrics/group/group.h"
 
 #include <gmock/gmock.h>
 

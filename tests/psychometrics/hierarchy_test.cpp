@@ -1,4 +1,4 @@
-#include "haptolith/psychometrics/hierarchy.h"
+#include "haptolith/psychometrics/group/hierarchy.h"
 
 #include <gmock/gmock.h>
 

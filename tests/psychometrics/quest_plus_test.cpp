@@ -1,4 +1,4 @@
-#include "haptolith/psychometrics/quest_plus.h"
+#include "haptolith/psychometrics/adaptive/quest_plus.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/psychometrics/staircase.h"
+#include "haptolith/psychometrics/adaptive/staircase.h"
 
 #include <gmock/gmock.h>
 

@@ -19,10 +19,10 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/bed/contact_load.h"
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
+#include "haptolith/bed/measure/contact_load.h"
 #include "haptolith/core/error.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/recording/picture_meshes.h"
 #include "haptolith/recording/recording_writer.h"
 #include "haptolith/soil/presets.h"

@@ -18,8 +18,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/process/child_process.h"
 #include "haptolith/recording/recording_file.h"
 #include "haptolith/recording/recording_reader.h"
 

@@ -18,7 +18,7 @@
 #include <tuple>
 #include <vector>
 
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_writer.h"
 #include "haptolith/soil/presets.h"

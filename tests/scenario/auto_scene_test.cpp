@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 
-#include "haptolith/bed/ready_tile.h"
-#include "haptolith/bed/tile_cache.h"
+#include "haptolith/bed/start/ready_tile.h"
+#include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 
 #include "../bed/every_target.h"
 

@@ -23,9 +23,9 @@
 #include <vector>
 
 #include "haptolith/bed/bed_state.h"
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 
 namespace haptolith {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scenario_error.h"
+#include "haptolith/scenario/toml/scenario_error.h"
 
 #include "../source_dir.h"
 

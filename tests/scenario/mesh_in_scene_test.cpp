@@ -13,7 +13,7 @@
 
 #include "haptolith/scenario/built_in_tools.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {

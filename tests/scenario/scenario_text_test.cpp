@@ -14,8 +14,8 @@
 #include "haptolith/core/base64.h"
 #include "haptolith/core/random.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scenario_error.h"
 #include "haptolith/scenario/scenario_keys.h"
+#include "haptolith/scenario/toml/scenario_error.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scenario_error.h"
 #include "haptolith/scenario/soil_file_keys.h"
+#include "haptolith/scenario/toml/scenario_error.h"
 
 #include "../source_dir.h"
 

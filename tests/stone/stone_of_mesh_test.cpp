@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-#include "haptolith/core/stop_asked.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/mesh/mend.h"
 #include "haptolith/stone/stone_shape.h"
 

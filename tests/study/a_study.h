@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 #include "haptolith/study/store/store.h"
 
 namespace haptolith {

@@ -1,4 +1,4 @@
-#include "haptolith/study/adaptive_results.h"
+#include "haptolith/study/results/adaptive_results.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,8 +15,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/psychometrics/psychometric_function.h"
-#include "haptolith/study/sequence.h"
-#include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/protocol/sequence.h"
+#include "haptolith/study/run/simulated_participant.h"
 
 #include "a_study.h"
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/button_answer.h"
+#include "haptolith/study/protocol/button_answer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/conductor.h"
+#include "haptolith/study/run/conductor.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/criteria.h"
+#include "haptolith/study/run/criteria.h"
 #include "haptolith/study/store/provenance.h"
 
 #include "fake_rig.h"

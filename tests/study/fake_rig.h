@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/rig.h"
+#include "haptolith/study/run/rig.h"
 
 namespace haptolith {
 

@@ -1,4 +1,4 @@
-#include "haptolith/study/felt_summary.h"
+#include "haptolith/study/results/felt_summary.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "haptolith/study/preregistration.h"
+#include "haptolith/study/export/preregistration.h"
 
 #include <gmock/gmock.h>
 
 #include <string>
 
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 
 #include "a_study_with_groups.h"
 

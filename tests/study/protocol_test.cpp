@@ -1,4 +1,4 @@
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/soil/presets.h"
-#include "haptolith/study/protocol_keys.h"
+#include "haptolith/study/protocol/protocol_keys.h"
 
 #include "../source_dir.h"
 

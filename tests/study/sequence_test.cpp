@@ -1,4 +1,4 @@
-#include "haptolith/study/sequence.h"
+#include "haptolith/study/protocol/sequence.h"
 
 #include <gmock/gmock.h>
 

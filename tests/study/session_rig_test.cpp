@@ -1,4 +1,4 @@
-#include "haptolith/study/session_rig.h"
+#include "haptolith/study/run/session_rig.h"
 
 #include <gtest/gtest.h>
 

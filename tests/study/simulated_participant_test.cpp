@@ -1,4 +1,4 @@
-#include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/run/simulated_participant.h"
 
 #include <boost/math/distributions/non_central_t.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -10,8 +10,8 @@
 #include <filesystem>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/answers.h"
-#include "haptolith/study/study_plan.h"
+#include "haptolith/study/results/answers.h"
+#include "haptolith/study/run/study_plan.h"
 
 namespace haptolith {
 namespace {

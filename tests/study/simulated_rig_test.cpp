@@ -1,4 +1,4 @@
-#include "haptolith/study/simulated_rig.h"
+#include "haptolith/study/run/simulated_rig.h"
 
 #include <gtest/gtest.h>
 

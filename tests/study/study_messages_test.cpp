@@ -1,4 +1,4 @@
-#include "haptolith/study/study_messages.h"
+#include "haptolith/study/run/study_messages.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -10,7 +10,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/study_pages.h"
+#include "haptolith/study/run/study_pages.h"
 
 #include "a_study.h"
 #include "fake_rig.h"

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/study/answers.h"
-#include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/results/answers.h"
+#include "haptolith/study/run/simulated_participant.h"
 
 namespace haptolith {
 namespace {

@@ -16,12 +16,12 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/answers.h"
 #include "haptolith/study/export/export.h"
-#include "haptolith/study/preregistration.h"
-#include "haptolith/study/simulated_participant.h"
-#include "haptolith/study/study_messages.h"
-#include "haptolith/study/teleop_results.h"
+#include "haptolith/study/export/preregistration.h"
+#include "haptolith/study/results/answers.h"
+#include "haptolith/study/results/teleop_results.h"
+#include "haptolith/study/run/simulated_participant.h"
+#include "haptolith/study/run/study_messages.h"
 
 #include "a_study.h"
 #include "fake_rig.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 
 namespace haptolith {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "haptolith/bed/surface_height.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/bed/measure/surface_height.h"
+#include "haptolith/identify/training/training_file.h"
 #include "haptolith/teleop/link/link_profiles.h"
 #include "haptolith/teleop/operator/learning_model.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 
 namespace haptolith {
 namespace {

@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/scene/scene.h"
 #include "haptolith/teleop.h"
 #include "haptolith/teleop/link/site_packet.h"
 #include "haptolith/teleop/operator/site_map.h"
 #include "haptolith/teleop/robot/site_camera.h"
-#include "haptolith/tool/scene.h"
 
 namespace haptolith {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {

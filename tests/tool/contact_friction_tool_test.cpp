@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_shape.h"
 

@@ -10,8 +10,8 @@
 
 #include "haptolith/core/random.h"
 #include "haptolith/mesh/triangle_tree.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/soil/presets.h"
-#include "haptolith/tool/scene.h"
 #include "haptolith/tool/tool_box.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_shape.h"

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <vector>
 
+#include "haptolith/scene/scene.h"
 #include "haptolith/soil/presets.h"
-#include "haptolith/tool/scene.h"
 
 namespace haptolith {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 
 namespace haptolith {
 namespace {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/scene/scene.h"
 #include "haptolith/soil/presets.h"
-#include "haptolith/tool/scene.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_shape.h"
 #include "haptolith/tool/tool_surface.h"

@@ -77,10 +77,10 @@ TEST(ToolPart, TogetherAreSolidWhereAnyOfThemIs) {
 }
 
 TEST(ToolPart, RefusesWhatCannotBe) {
-  EXPECT_THROW(validate({.size_m = Vec3(0.05, 0.04, 0)}), InvalidParameter);
-  EXPECT_THROW(validate({.form = ToolPartForm::kSphere, .diameter_m = NAN}), InvalidParameter);
-  EXPECT_THROW(validate({.form = ToolPartForm::kCylinder, .length_m = 2}), InvalidParameter);
-  EXPECT_THROW(validate({.at_m = Vec3(0, 5, 0)}), InvalidParameter);
+  EXPECT_THROW(validate(ToolPart{.size_m = Vec3(0.05, 0.04, 0)}), InvalidParameter);
+  EXPECT_THROW(validate(ToolPart{.form = ToolPartForm::kSphere, .diameter_m = NAN}), InvalidParameter);
+  EXPECT_THROW(validate(ToolPart{.form = ToolPartForm::kCylinder, .length_m = 2}), InvalidParameter);
+  EXPECT_THROW(validate(ToolPart{.at_m = Vec3(0, 5, 0)}), InvalidParameter);
   EXPECT_THROW((void)drawn(std::vector<ToolPart>(65)), InvalidParameter);
   EXPECT_THROW((void)drawn(std::vector<ToolPart>{{.turn_rad = Vec3(10, 0, 0)}}), InvalidParameter);
 }

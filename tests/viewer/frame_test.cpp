@@ -8,7 +8,7 @@
 #include <iterator>
 #include <numbers>
 
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 
 #include "../source_dir.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/identify/soil_check.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/identify/check/soil_check.h"
+#include "haptolith/identify/training/training_file.h"
 
 #include "identify/identify_commands.h"
 #include "identify/training_options.h"

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/identify/next_part.h"
-#include "haptolith/identify/parts_check.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/identify/check/parts_check.h"
+#include "haptolith/identify/next_measurement.h"
+#include "haptolith/identify/training/training_file.h"
 #include "haptolith/soil/bodies.h"
 
 #include "identify/identify_commands.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/bed/measure/surface_height.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/scenario/scenario.h"
 
 #include "identify/identify_commands.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/identify/soil_belief.h"
 #include "haptolith/scenario/soil_file.h"
 

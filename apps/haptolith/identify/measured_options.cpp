@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "haptolith/core/error.h"
-#include "haptolith/identify/next_part.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/next_measurement.h"
+#include "haptolith/identify/training/training_file.h"
 #include "haptolith/soil/bodies.h"
 
 #include "shared/option_checks.h"

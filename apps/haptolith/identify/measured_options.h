@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/identify/measured_movement.h"
 #include "haptolith/identify/soil_belief.h"
 

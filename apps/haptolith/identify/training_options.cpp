@@ -10,10 +10,10 @@
 #include <optional>
 #include <thread>
 
-#include "haptolith/bed/tile_cache.h"
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/bed/start/tile_cache.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/device/hand/pose_file.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 

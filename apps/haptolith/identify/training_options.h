@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/identify/digging.h"
-#include "haptolith/identify/training.h"
+#include "haptolith/identify/training/digging.h"
+#include "haptolith/identify/training/training.h"
 #include "haptolith/tool/tool_parameters.h"
 
 #include "shared/overwrite.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/lab/validation.h"
+#include "haptolith/lab/report/validation.h"
 
 namespace haptolith {
 

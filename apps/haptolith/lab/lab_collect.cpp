@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 
 #include "commands.h"
 #include "lab/lab_options.h"

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/lab/calibrate_soil.h"
 #include "haptolith/lab/catalogue/lab_test.h"
-#include "haptolith/lab/findings.h"
+#include "haptolith/lab/report/calibrate_soil.h"
+#include "haptolith/lab/report/findings.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"

@@ -9,12 +9,12 @@
 #include <thread>
 #include <utility>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/overloaded.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/scenario/soil_file_keys.h"
-#include "haptolith/scenario/toml_writer.h"
+#include "haptolith/scenario/toml/toml_writer.h"
 #include "haptolith/soil/bodies.h"
 
 #include "shared/option_checks.h"

@@ -14,20 +14,20 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/figure/figure.h"
+#include "haptolith/lab/archive/report_folder.h"
+#include "haptolith/lab/archive/report_results.h"
 #include "haptolith/lab/catalogue/lab_test.h"
-#include "haptolith/lab/over_seeds.h"
-#include "haptolith/lab/report_page.h"
+#include "haptolith/lab/report/report_page.h"
+#include "haptolith/lab/report/specimen_statistics.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/bodies.h"
 
 #include "commands.h"
 #include "lab/lab_options.h"
-#include "lab/report_folder.h"
-#include "lab/report_results.h"
 #include "shared/kept_work.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"

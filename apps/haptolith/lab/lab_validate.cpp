@@ -12,12 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/lab/archive/report_folder.h"
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
-#include "haptolith/lab/validation.h"
+#include "haptolith/lab/report/validation.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/soil/bodies.h"
@@ -25,7 +26,6 @@
 #include "commands.h"
 #include "lab/claims_file.h"
 #include "lab/lab_options.h"
-#include "lab/report_folder.h"
 #include "shared/kept_work.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"

@@ -13,12 +13,11 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/input_file.h"
-#include "haptolith/lab/over_seeds.h"
+#include "haptolith/core/files/input_file.h"
+#include "haptolith/lab/archive/json_differences.h"
+#include "haptolith/lab/archive/report_results.h"
+#include "haptolith/lab/report/specimen_statistics.h"
 #include "haptolith/scenario/scene_words.h"
-
-#include "lab/json_differences.h"
-#include "lab/report_results.h"
 
 namespace haptolith {
 

@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/bed/bed_start.h"
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
+#include "haptolith/bed/start/bed_start.h"
 #include "haptolith/core/clock.h"
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 
@@ -169,7 +169,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   for (const std::string& file : options.scenes) {
     for (const int threads : options.threads) {
       const Scenario scene = findScenario(file);
-      scenes.push_back({fmt::format("{}, {}", file, counted(threads, "thread")), scene.bed, scene.tool, scene.hand});
+      scenes.push_back({fmt::format("{}, {}", file, pluralise(threads, "thread")), scene.bed, scene.tool, scene.hand});
       BedParameters& bed = scenes.back().bed;
       bed.threads = threads;
       letSleep(bed, options);
@@ -183,8 +183,8 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   for (const int particles : options.particles) {
     for (const FrictionModel friction : options.friction) {
       for (const int threads : options.threads) {
-        const std::string what = fmt::format("{}, {} friction, {}", counted(particles, "particle"),
-                                             wordFor(kFrictionWords, friction), counted(threads, "thread"));
+        const std::string what = fmt::format("{}, {} friction, {}", pluralise(particles, "particle"),
+                                             wordFor(kFrictionWords, friction), pluralise(threads, "thread"));
         scenes.push_back({what, sandbox(options, particles, friction, threads), ToolParameters{}, hand});
       }
     }
@@ -246,7 +246,7 @@ void drawBench(const OutputFile& file, const std::vector<BenchRow>& rows) {
     figure.data(name, points);
     plot += fmt::format(
         ", ${0} using 1:2:2:3 with yerrorlines pointtype 7 linewidth 2 linecolor rgb '{1}' title '{2}, {3}'", name,
-        colours[i % 4], wordFor(kFrictionWords, what.first), counted(what.second, "thread"));
+        colours[i % 4], wordFor(kFrictionWords, what.first), pluralise(what.second, "thread"));
     ++i;
   }
   figure.command(

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "haptolith/device/open_device.h"
+#include "haptolith/device/drivers/open_device.h"
 #include "haptolith/scenario/scene_words.h"
 
 #include "commands.h"

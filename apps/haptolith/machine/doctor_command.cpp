@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/bed/tile_cache.h"
+#include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/machine/check.h"
 #include "haptolith/machine/machine_fit.h"

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/atomic_folder.h"
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/files/atomic_folder.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/recording/export_pictures.h"
 #include "haptolith/recording/recorded_pictures.h"
 #include "haptolith/recording/recording_reader.h"
@@ -88,11 +88,11 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   file.write(text);
   file.commit();
   status.clear();
-  printText(savedText(out, counted(recording.ticks(), "tick")));
+  printText(savedText(out, pluralise(recording.ticks(), "tick")));
 }
 
 std::string picturesText(const RecordedPictures& pictures) {
-  const std::string count = counted(pictures.count(), "picture") + " of the particles";
+  const std::string count = pluralise(pictures.count(), "picture") + " of the particles";
   return pictures.replayed() == pictures.count() ? count + " with velocities"
          : pictures.replayed() == 0              ? count + " without velocities"
                                     : fmt::format("{}, {} of them with velocities", count, pictures.replayed());
@@ -206,7 +206,7 @@ void exportRecording(const ExportOptions& options) {
     spdlog::warn(
         "{} lacks {} that the disk or the machine was too slow for; the numbers of those before and after tell "
         "where",
-        options.file, counted(recording.missingTicks(), "tick"));
+        options.file, pluralise(recording.missingTicks(), "tick"));
   }
 }
 

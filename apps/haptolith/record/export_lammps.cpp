@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/core/atomic_folder.h"
 #include "haptolith/core/error.h"
-#include "haptolith/exchange/lammps_export.h"
+#include "haptolith/core/files/atomic_folder.h"
+#include "haptolith/lammps/lammps_export.h"
 #include "haptolith/recording/replay.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/soil/contact_law.h"

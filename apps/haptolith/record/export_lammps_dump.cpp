@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/atomic_folder.h"
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
-#include "haptolith/exchange/lammps_dump.h"
+#include "haptolith/core/files/atomic_folder.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/lammps/lammps_dump.h"
 #include "haptolith/recording/picture_meshes.h"
 #include "haptolith/recording/vtu_file.h"
 
@@ -83,12 +83,12 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
     folder.write(name, fileOf(picture).text());
     pictures.add(timeOf(picture), name);
     ++pictures_at[timeOf(picture)];
-    status.tell([&] { return counted(count, "picture"); });
+    status.tell([&] { return pluralise(count, "picture"); });
   });
   folder.write("particles.pvd", pictures.text());
   folder.commit();
   status.clear();
-  printText(savedText(folder.path(), counted(count, "picture") + " of the particles"));
+  printText(savedText(folder.path(), pluralise(count, "picture") + " of the particles"));
   for (const auto& [time, pictures_then] : pictures_at) {
     if (pictures_then > 1) {
       spdlog::warn("{}: {} pictures of step or time {:g}: ParaView shows one of them", path.string(), pictures_then,

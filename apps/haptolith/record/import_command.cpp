@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
-#include "haptolith/exchange/lammps_dump.h"
-#include "haptolith/exchange/lammps_export.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/lammps/lammps_dump.h"
+#include "haptolith/lammps/lammps_export.h"
 #include "haptolith/scenario/scenario.h"
 
 #include "commands.h"
@@ -83,7 +83,7 @@ void importDump(const ImportOptions& options) {
   Scenario scene = sceneOf(options);
   StatusLine status;
   const LammpsPicture picture = readLammpsDump(options.file, options.picture, [&](std::size_t passed) {
-    status.tell([&] { return counted(passed, "picture") + " read"; });
+    status.tell([&] { return pluralise(passed, "picture") + " read"; });
     return !stopAsked();
   });
   status.clear();
@@ -101,8 +101,8 @@ void importDump(const ImportOptions& options) {
   scene.title = fmt::format("Step {} of {}", picture.step, fs::path(options.file).filename().string());
   scene_file.write(scenarioTextWithGrains(scene, table.filename().string()));
   scene_file.commit();
-  printText(savedText(table,
-                      fmt::format("{} of picture {}, step {}", counted(taken, "grain"), picture.number, picture.step)));
+  printText(savedText(
+      table, fmt::format("{} of picture {}, step {}", pluralise(taken, "grain"), picture.number, picture.step)));
   printText(savedText(out, "a scene of them"));
   if (!options.picture && picture.number > 1) {
     printText(fmt::format("  the last of {} pictures; --picture N takes another\n", picture.number));

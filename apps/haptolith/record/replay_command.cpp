@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "haptolith/bed/simd_target.h"
-#include "haptolith/core/counted.h"
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/recording/replay.h"
 
 #include "commands.h"
@@ -40,16 +40,17 @@ struct ReplayOptions {
 
 std::string gapText(const ReplayGap& gap) {
   return gap.ticks == 0 ? fmt::format("the ticks after {:.3f} s are not in the order of a run", gap.time_s)
-                        : fmt::format("{} after {:.3f} s: what follows cannot be replayed", counted(gap.ticks, "tick"),
-                                      gap.time_s);
+                        : fmt::format("{} after {:.3f} s: what follows cannot be replayed",
+                                      pluralise(gap.ticks, "tick"), gap.time_s);
 }
 
 std::string summary(const ReplayOptions& options, const RecordingReader& recording, const Replay& replay,
                     const ReplayResult& result) {
   const int threads = replay.scenario().bed.threads;
-  std::string text = fmt::format("{}\n  replayed   {} of {}, {} compared ({}, {})\n", replay.scenario().title,
-                                 result.ticks, counted(recording.ticks(), "tick"),
-                                 counted(result.hashes, "hash", "hashes"), simdTarget(), counted(threads, "thread"));
+  std::string text =
+      fmt::format("{}\n  replayed   {} of {}, {} compared ({}, {})\n", replay.scenario().title, result.ticks,
+                  pluralise(recording.ticks(), "tick"), pluralise(result.hashes, "hash", "hashes"), simdTarget(),
+                  pluralise(threads, "thread"));
   if (result.difference) {
     text += fmt::format("  differs    in tick {} at {:.3f} s: {}\n", result.difference->tick, result.difference->time_s,
                         result.difference->what);

@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/child_process.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/process/child_process.h"
 
 namespace haptolith {
 

@@ -15,17 +15,17 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/bed/simd_target.h"
-#include "haptolith/bed/tile_cache.h"
-#include "haptolith/core/counted.h"
+#include "haptolith/bed/kernel/simd_target.h"
+#include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/haptics/stiffness_check.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/haptics/loop/stiffness_check.h"
 #include "haptolith/machine/deadline_report.h"
 #include "haptolith/machine/machine_fit.h"
-#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/toml/file_keys.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
 #include "haptolith/viewer/waiting_page.h"
@@ -136,7 +136,7 @@ std::string particlesText(const Scene& scene, const std::optional<FinestGrain>& 
   if (coarser > 0) {
     return fmt::format(
         "{:g} mm particles on {}: {} coarser than {} ({} particles)\n", 1e3 * bed.soil.radius_m,
-        counted(bed.threads, "thread"), counted(coarser, "step"),
+        pluralise(bed.threads, "thread"), pluralise(coarser, "step"),
         finest ? fmt::format("{:g} mm, the finest soil this machine renders in time", 1e3 * finest->chosen.radius_m)
                : "asked for otherwise",
         scene.bed().particles());
@@ -390,11 +390,11 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "  state      {hash:016x}\n",
       fmt::arg("title", scenario.title), fmt::arg("grains", grainsText(scene.bed())),
       fmt::arg("awake", scene.bed().awake()), fmt::arg("soil", soilText(scenario)),
-      fmt::arg("g", scenario.bed.gravity_m_s2.norm()), fmt::arg("substeps", counted(scene.substeps(), "substep")),
+      fmt::arg("g", scenario.bed.gravity_m_s2.norm()), fmt::arg("substeps", pluralise(scene.substeps(), "substep")),
       fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
       fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
       fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
-      fmt::arg("threads", counted(scenario.bed.threads, "thread")),
+      fmt::arg("threads", pluralise(scenario.bed.threads, "thread")),
       fmt::arg("deadlines", scenario.loop.paced ? deadlinesText(s) : "none: as fast as it can"),
       fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
@@ -555,7 +555,7 @@ void run(const RunOptions& options) {
   }
   if (summary.lost_records > 0 && follower.traces()) {
     throw Failure(fmt::format("the trace is not whole: {} missing, because the program was held up for too long",
-                              counted(summary.lost_records, "tick is", "ticks are")));
+                              pluralise(summary.lost_records, "tick is", "ticks are")));
   }
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "haptolith/figure/figure.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scenario/scenario.h"
 
 namespace haptolith {

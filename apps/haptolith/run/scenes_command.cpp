@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/bed/ready_tile.h"
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/in_parallel.h"
+#include "haptolith/bed/start/ready_tile.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/process/in_parallel.h"
 #include "haptolith/machine/machine_fit.h"
 #include "haptolith/scenario/built_in_scenes.h"
 #include "haptolith/scenario/scenario.h"

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 
 namespace haptolith {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/in_parallel.h"
+#include "haptolith/core/process/in_parallel.h"
 
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"

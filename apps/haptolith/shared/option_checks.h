@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/file_keys.h"
+#include "haptolith/scenario/toml/file_keys.h"
 
 namespace haptolith {
 

@@ -21,7 +21,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/start_thread.h"
+#include "haptolith/core/process/start_thread.h"
 
 namespace haptolith {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 
 namespace CLI {
 class App;

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "haptolith/core/clock.h"
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -27,7 +27,7 @@ void Progress::expect(double thread_s, int threads) {
   const double seconds = thread_s / threads;
   expected_ = seconds < kWorthTelling_s ? ""
                                         : fmt::format("haptolith: this takes about {} on {}\n", durationText(seconds),
-                                                      counted(static_cast<std::size_t>(threads), "thread"));
+                                                      pluralise(static_cast<std::size_t>(threads), "thread"));
 }
 
 bool Progress::tell(std::string_view what, double fraction) {

@@ -9,8 +9,8 @@
 #include <set>
 #include <string>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/counted.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/pluralise.h"
 
 namespace haptolith {
 
@@ -47,13 +47,13 @@ std::string tableText(const fs::path& path) {
       columns = lines++ == 0 ? 1 + std::ranges::count(line, separator) : columns;
     }
   }
-  return fmt::format("{} of {}", counted(lines == 0 ? 0 : lines - 1, "row"), counted(columns, "column"));
+  return fmt::format("{} of {}", pluralise(lines == 0 ? 0 : lines - 1, "row"), pluralise(columns, "column"));
 }
 
 std::string whatIs(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
-    return counted(std::distance(fs::directory_iterator(path, ignored), fs::directory_iterator()), "file");
+    return pluralise(std::distance(fs::directory_iterator(path, ignored), fs::directory_iterator()), "file");
   }
   const std::string extension = path.extension().string();
   const std::uintmax_t size = fs::file_size(path, ignored);

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 
 namespace haptolith {
 
@@ -137,7 +137,7 @@ std::string fitText(const Fit& fit) {
       fit.method == FitMethod::kMaximumLikelihood ? "profile interval" : "credible interval";
   std::string text =
       fmt::format("Psychometric function {} ({}), {}; {} answers to {}\n\n", nameOf(function.sigmoid), designName(fit),
-                  wordsFor(fit.method), fit.n_trials, counted(fit.levels.size(), "stimulus", "stimuli"));
+                  wordsFor(fit.method), fit.n_trials, pluralise(fit.levels.size(), "stimulus", "stimuli"));
   text += fmt::format("{:>28}   {:g} % {}\n", "estimate", 100 * fit.confidence, interval);
   text += line("threshold", fit.threshold, "x50, where the sigmoid is a half");
   text += line("JND", fit.jnd, "x84 - x50");

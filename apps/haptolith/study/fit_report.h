@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "haptolith/psychometrics/fit_json.h"
-#include "haptolith/psychometrics/group.h"
-#include "haptolith/psychometrics/group_difference.h"
+#include "haptolith/psychometrics/group/group.h"
+#include "haptolith/psychometrics/group/group_difference.h"
 
 namespace haptolith {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/study/store/provenance.h"
 
 namespace haptolith {
@@ -56,7 +56,7 @@ std::string sessionsText(const StudyStore& study) {
     text += fmt::format("  {} {} by haptolith {}, {}; {}\n", alike.sessions, kind, version, device, machine);
     if (alike.counted) {
       text += fmt::format("    {} of {} late, the hand let go {}\n", alike.counts.missed_ticks,
-                          counted(alike.counts.ticks, "tick"), counted(alike.counts.safety_trips, "time"));
+                          pluralise(alike.counts.ticks, "tick"), pluralise(alike.counts.safety_trips, "time"));
     }
     if (alike.unfinished > 0) {
       text += fmt::format("    {} under way or cut off\n", alike.unfinished);

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/file_keys.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/toml/file_keys.h"
 #include "haptolith/study/perception/perception.h"
 #include "haptolith/study/perception/perception_figure.h"
 #include "haptolith/study/perception/task_perception.h"

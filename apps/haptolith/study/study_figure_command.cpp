@@ -13,16 +13,16 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
-#include "haptolith/psychometrics/group.h"
-#include "haptolith/psychometrics/group_difference.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/psychometrics/group/group.h"
+#include "haptolith/psychometrics/group/group_difference.h"
 #include "haptolith/psychometrics/psychometric_figure.h"
-#include "haptolith/study/answers.h"
+#include "haptolith/study/results/answers.h"
+#include "haptolith/study/results/teleop_figure.h"
+#include "haptolith/study/results/teleop_results.h"
 #include "haptolith/study/store/participant_flow.h"
 #include "haptolith/study/store/store.h"
-#include "haptolith/study/teleop_figure.h"
-#include "haptolith/study/teleop_results.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"
@@ -220,7 +220,7 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
   }
   if (isWeber(fit.function.sigmoid) && w.interval.high > kWide * w.interval.low) {
     remarks.push_back(fmt::format("{} answers of {} hardly bound the Weber fraction: {:.3g} to {:.3g}.", fit.n_trials,
-                                  result.group ? counted(result.codes.size(), "person", "people") : "one person",
+                                  result.group ? pluralise(result.codes.size(), "person", "people") : "one person",
                                   w.interval.low, w.interval.high));
   }
   const std::optional<Interval> shown = weberFractionsShownBy(*result.block);
@@ -242,7 +242,7 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
 
 std::string text(const BlockResult& result) {
   std::string told =
-      fmt::format("{}: {}, reference {} ({:g})\n", result.name(), counted(result.codes.size(), "participant"),
+      fmt::format("{}: {}, reference {} ({:g})\n", result.name(), pluralise(result.codes.size(), "participant"),
                   result.block->reference.name, result.block->reference.value);
   if (result.group) {
     told += groupText(*result.group, result.codes);

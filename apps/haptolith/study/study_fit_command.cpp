@@ -15,8 +15,8 @@
 #include "haptolith/psychometrics/answers_file.h"
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/fit_request.h"
-#include "haptolith/psychometrics/group.h"
-#include "haptolith/psychometrics/group_difference.h"
+#include "haptolith/psychometrics/group/group.h"
+#include "haptolith/psychometrics/group/group_difference.h"
 #include "haptolith/psychometrics/psychometric_figure.h"
 
 #include "commands.h"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/store/study_files.h"
 
@@ -62,8 +62,8 @@ void forgetEverything(StudyStore& study, const ParticipantRow& participant, cons
   study.removeParticipant(participant.id, options.reason,
                           options.keep_recordings ? Recordings::kKeep : Recordings::kDelete);
   printText(
-      fmt::format("{}: deleted, with {}{}\n{}", participant.code, counted(trials.size(), "trial"),
-                  options.keep_recordings ? "" : " and " + counted(recordings.size(), "recording"),
+      fmt::format("{}: deleted, with {}{}\n{}", participant.code, pluralise(trials.size(), "trial"),
+                  options.keep_recordings ? "" : " and " + pluralise(recordings.size(), "recording"),
                   listed("Not deleted, and the code stands in:", othersThatName(study.file(), participant.code))));
   printText("Exports elsewhere, copies and backups are not known to haptolith: delete those by hand.\n");
 }

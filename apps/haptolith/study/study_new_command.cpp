@@ -11,10 +11,10 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/scenario/site_task.h"
-#include "haptolith/study/protocol.h"
-#include "haptolith/study/sequence.h"
+#include "haptolith/study/protocol/protocol.h"
+#include "haptolith/study/protocol/sequence.h"
 #include "haptolith/study/store/store.h"
 
 #include "commands.h"
@@ -52,14 +52,15 @@ std::string summaryOf(const StudyProtocol& protocol) {
       trials += planned.block == i ? planned.trials.size() : 0;
     }
     if (block.teleop) {
-      text += fmt::format("  {:<16} work for a robot: {}, {}, {}\n", block.name,
-                          wordFor(kSiteTaskWords, block.teleop->task), block.reference.name, counted(trials, "trial"));
+      text +=
+          fmt::format("  {:<16} work for a robot: {}, {}, {}\n", block.name,
+                      wordFor(kSiteTaskWords, block.teleop->task), block.reference.name, pluralise(trials, "trial"));
       continue;
     }
     const bool adaptive = block.procedure != ProcedureKind::kConstant;
-    text += fmt::format("  {:<16} {} against {}, {}\n", block.name, counted(block.levels.size(), "level"),
+    text += fmt::format("  {:<16} {} against {}, {}\n", block.name, pluralise(block.levels.size(), "level"),
                         block.reference.name,
-                        adaptive ? std::string("chosen from the answers so far") : counted(trials, "trial"));
+                        adaptive ? std::string("chosen from the answers so far") : pluralise(trials, "trial"));
   }
   for (const ParticipantGroup& group : protocol.groups) {
     std::vector<std::string_view> blocks;

@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/study/study_plan.h"
+#include "haptolith/study/run/study_plan.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"
@@ -98,9 +98,9 @@ std::string searchText(const PlanOptions& options, const std::vector<PlanOutcome
     const auto found = std::ranges::find_if(outcomes, [&](const PlanOutcome& outcome) {
       return outcome.size.repeats == repeats && successOf(outcome).value >= options.power;
     });
-    text +=
-        fmt::format("{} with {} of each level: enough for {:g} % of studies\n",
-                    counted(found->size.participants, "participant"), counted(repeats, "trial"), 100 * options.power);
+    text += fmt::format("{} with {} of each level: enough for {:g} % of studies\n",
+                        pluralise(found->size.participants, "participant"), pluralise(repeats, "trial"),
+                        100 * options.power);
   }
   return text;
 }

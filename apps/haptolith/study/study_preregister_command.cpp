@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/study/preregistration.h"
-#include "haptolith/study/protocol.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/study/export/preregistration.h"
+#include "haptolith/study/protocol/protocol.h"
 
 #include "commands.h"
 #include "shared/output.h"

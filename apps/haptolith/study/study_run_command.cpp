@@ -14,16 +14,16 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/session/session.h"
-#include "haptolith/study/conductor.h"
-#include "haptolith/study/criteria.h"
-#include "haptolith/study/simulated_participant.h"
+#include "haptolith/study/run/conductor.h"
+#include "haptolith/study/run/criteria.h"
+#include "haptolith/study/run/simulated_participant.h"
+#include "haptolith/study/run/study_pages.h"
 #include "haptolith/study/store/provenance.h"
 #include "haptolith/study/store/study_files.h"
-#include "haptolith/study/study_pages.h"
 #include "haptolith/teleop/operator/learning_model.h"
 #include "haptolith/viewer/live_view.h"
 
@@ -196,7 +196,7 @@ class StudyRun {
   void tellOfLost(std::uint64_t lost) {
     if (lost > told_lost_) {
       const std::string text =
-          fmt::format("the program was held up: {} missing", counted(lost - told_lost_, "tick is", "ticks are"));
+          fmt::format("the program was held up: {} missing", pluralise(lost - told_lost_, "tick is", "ticks are"));
       told_lost_ = lost;
       spdlog::warn("{}", text);
       conductor_.remark(text);
@@ -210,7 +210,8 @@ class StudyRun {
       requireRoom(store_, options_);
       if (const int enough = store_.protocol().planned_participants;
           enough > 0 && finishedParticipants(store_.participants()) >= enough) {
-        spdlog::warn("the protocol ends the study after {}, and so many have finished", counted(enough, "participant"));
+        spdlog::warn("the protocol ends the study after {}, and so many have finished",
+                     pluralise(enough, "participant"));
       }
       conductor_.begin(options_.participant);
     }
@@ -296,7 +297,7 @@ class StudyRun {
     for (const TrialRow& row : store_.trials()) {
       answers += row.state == TrialState::kAnswered ? 1 : 0;
     }
-    printText(fmt::format("{}: {} in {}\n", store_.title(), counted(answers, "answer"), options_.file));
+    printText(fmt::format("{}: {} in {}\n", store_.title(), pluralise(answers, "answer"), options_.file));
     if (!over) {
       printText(fmt::format("{} goes on with: haptolith study resume {}\n", code_, options_.file));
     }

@@ -13,11 +13,11 @@
 #include <string_view>
 #include <utility>
 
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
-#include "haptolith/study/answers.h"
-#include "haptolith/study/simulated_participant.h"
-#include "haptolith/study/simulated_rig.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/study/results/answers.h"
+#include "haptolith/study/run/simulated_participant.h"
+#include "haptolith/study/run/simulated_rig.h"
 #include "haptolith/study/store/participant_flow.h"
 #include "haptolith/study/store/provenance.h"
 
@@ -132,7 +132,7 @@ void simulate(const SimulateOptions& options) {
   });
   for (; person < options.participants; ++person) {
     if (stopAsked()) {
-      throw Failure(fmt::format("interrupted after {} of {}", person, counted(options.participants, "participant")));
+      throw Failure(fmt::format("interrupted after {} of {}", person, pluralise(options.participants, "participant")));
     }
     status.tell([&] { return fmt::format("participant {} of {}", person + 1, options.participants); });
     ObserverParameters who = options.observer;
@@ -153,7 +153,7 @@ void simulate(const SimulateOptions& options) {
         throw;
       }
       throw Failure(fmt::format("interrupted after {} of {}; the answers so far are in {}", person,
-                                counted(options.participants, "participant"), options.file));
+                                pluralise(options.participants, "participant"), options.file));
     }
     study.endSession(session, std::nullopt);
   }
@@ -164,9 +164,9 @@ void simulate(const SimulateOptions& options) {
     works +=
         row.kind == TrialKind::kMain && row.state == TrialState::kAnswered && row.answer && row.answer->teleop ? 1 : 0;
   }
-  printText(fmt::format("{}: {}, {}{}\n", options.file, counted(study.participants().size(), "simulated participant"),
-                        counted(answers, "answer that counts", "answers that count"),
-                        works > 0 ? fmt::format(", {} of work for a robot", counted(works, "trial")) : ""));
+  printText(fmt::format("{}: {}, {}{}\n", options.file, pluralise(study.participants().size(), "simulated participant"),
+                        pluralise(answers, "answer that counts", "answers that count"),
+                        works > 0 ? fmt::format(", {} of work for a robot", pluralise(works, "trial")) : ""));
 }
 
 }  // namespace

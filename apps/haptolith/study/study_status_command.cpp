@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/counted.h"
-#include "haptolith/study/adaptive_results.h"
-#include "haptolith/study/answers.h"
-#include "haptolith/study/criteria.h"
-#include "haptolith/study/groups.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/study/protocol/groups.h"
+#include "haptolith/study/results/adaptive_results.h"
+#include "haptolith/study/results/answers.h"
+#include "haptolith/study/run/criteria.h"
 #include "haptolith/study/store/participant_flow.h"
 #include "haptolith/study/store/store.h"
 
@@ -243,7 +243,7 @@ std::string stoppingText(const StudyStore& study) {
   const int planned_participants = study.protocol().planned_participants;
   return planned_participants > 0
              ? fmt::format("\nThe study ends after {}; finished so far: {}.\n",
-                           counted(planned_participants, "participant"), finishedParticipants(study.participants()))
+                           pluralise(planned_participants, "participant"), finishedParticipants(study.participants()))
              : "";
 }
 
@@ -276,7 +276,7 @@ std::string resultsText(const StudyStore& study, const std::vector<TrialRow>& tr
     for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
       if (const AdaptiveResult* result = resultIn(results, participant.id, block)) {
         text += fmt::format("  {:<8}{:<12}{}{}{}{}{}\n", participant.code, study.protocol().blocks[block].name,
-                            counted(result->trials, "trial"), result->finished ? "" : " so far",
+                            pluralise(result->trials, "trial"), result->finished ? "" : " so far",
                             estimateText("threshold", result->threshold),
                             result->weber_fraction ? estimateText("Weber fraction", result->weber_fraction)
                                                    : estimateText("JND", result->jnd),

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/scenario/site_task.h"
 
@@ -47,7 +47,7 @@ const TeleopMeasure* inFirst(const std::vector<TeleopBlockResult>& results, cons
 }
 
 std::string peopleText(std::size_t people) {
-  return counted(people, "participant");
+  return pluralise(people, "participant");
 }
 
 }  // namespace

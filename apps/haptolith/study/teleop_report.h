@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/study/teleop_results.h"
+#include "haptolith/study/results/teleop_results.h"
 
 namespace haptolith {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptolith/session/session_recording.h"
-#include "haptolith/study/session_rig.h"
+#include "haptolith/study/run/session_rig.h"
 #include "haptolith/teleop/operator/task_judge.h"
 #include "haptolith/teleop/robot/site_robot.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptolith/identify/training_file.h"
+#include "haptolith/identify/training/training_file.h"
 #include "haptolith/teleop/operator/learning_model.h"
 #include "haptolith/teleop/operator/surface_mender.h"
 

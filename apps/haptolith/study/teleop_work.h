@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "haptolith/identify/model_learner.h"
-#include "haptolith/study/rig.h"
+#include "haptolith/study/run/rig.h"
 #include "haptolith/teleop/bench/simulation.h"
 #include "haptolith/teleop/link/link_profiles.h"
 #include "haptolith/teleop/operator/force_agreement.h"

@@ -6,7 +6,7 @@
 #include <array>
 #include <limits>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 
 #include "teleop/robot_status.h"
 
@@ -106,7 +106,7 @@ std::string robotSummary(const RobotLead& robot) {
                         robot.learning()->updates());
   }
   if (robot.mended() > 0) {
-    text += fmt::format("  mended     the surface: {} to lie elsewhere\n", counted(robot.mended(), "grain"));
+    text += fmt::format("  mended     the surface: {} to lie elsewhere\n", pluralise(robot.mended(), "grain"));
   }
   const PacketCounts& counts = end.counts();
   text += fmt::format("  packets    {} sent, {} taken; {}, {} forged, {} replayed\n", end.sent(), counts.taken,

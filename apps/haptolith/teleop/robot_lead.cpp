@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "haptolith/bed/surface_height.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/bed/measure/surface_height.h"
+#include "haptolith/identify/training/training_file.h"
 #include "haptolith/recording/recording_format.h"
 
 namespace haptolith {

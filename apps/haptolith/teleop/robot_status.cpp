@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 
 namespace haptolith {
 
@@ -24,8 +24,8 @@ std::string robotSummaryText(const Robot& robot, const RobotServer& server, cons
   return fmt::format(
       "  robot      {}; stopped {}\n  packets    {} taken; {}, {} forged, {} replayed, {} of "
       "strangers\n",
-      status, counted(robot.stops(), "time"), counts.taken, malformedCountText(counts), counts.forged, counts.replayed,
-      counts.strangers);
+      status, pluralise(robot.stops(), "time"), counts.taken, malformedCountText(counts), counts.forged,
+      counts.replayed, counts.strangers);
 }
 
 }  // namespace haptolith

@@ -13,12 +13,12 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/in_parallel.h"
-#include "haptolith/core/stop_asked.h"
-#include "haptolith/identify/training_file.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/core/process/in_parallel.h"
+#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/identify/training/training_file.h"
 #include "haptolith/scenario/site_task.h"
 #include "haptolith/teleop/bench/simulation.h"
 #include "haptolith/teleop/operator/agreement_figure.h"
@@ -224,7 +224,7 @@ std::string taskText(const Row& row, const TeleopBenchOptions& options) {
                                                     : fmt::format("done after {:.1f} s", task->done_s);
   return fmt::format(
       "{}, {:g} s: {} {}, {}, {} in the end\n", text(row.which), row.round_trip_s, options.task, when,
-      counted(task->strokes, "try", "tries"),
+      pluralise(task->strokes, "try", "tries"),
       trench ? fmt::format("{:.1f} mm", task->reached / kBenchMm) : fmt::format("{:.3f} N", task->reached));
 }
 
@@ -358,7 +358,7 @@ void runTeleopBench(const TeleopBenchOptions& options) {
       const auto progress = [&](double share) {
         done[row] = share;
         const double sum = std::accumulate(done.begin(), done.end(), 0.0);
-        return all.tell(counted(wanted, "run"), sum / static_cast<double>(wanted));
+        return all.tell(pluralise(wanted, "run"), sum / static_cast<double>(wanted));
       };
       rows[row].result = simulateTeleop(setupFor(options, rows[row].round_trip_s, rows[row].which, probed), progress);
       rows[row].is_done = true;
@@ -373,7 +373,7 @@ void runTeleopBench(const TeleopBenchOptions& options) {
   status.clear();
   show(options, rows, probed);
   if (rows.size() < wanted) {
-    throw Failure(fmt::format("interrupted after {} of {}", rows.size(), counted(wanted, "run")));
+    throw Failure(fmt::format("interrupted after {} of {}", rows.size(), pluralise(wanted, "run")));
   }
 }
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/stop_asked.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/teleop/link/udp_relay.h"
 
 #include "commands.h"

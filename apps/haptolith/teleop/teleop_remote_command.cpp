@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "haptolith/core/clock.h"
-#include "haptolith/core/stop_asked.h"
-#include "haptolith/haptics/loop_clock.h"
+#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/haptics/loop/loop_clock.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/teleop/robot/site_robot.h"
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include "haptolith/bed/bed_start.h"
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/bed/spatial_order.h"
+#include "haptolith/bed/start/bed_start.h"
+#include "haptolith/bed/start/spatial_order.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 
@@ -310,25 +310,26 @@ void Bed::listNearGroups() noexcept {
 
 void Bed::stepPart(int part, int parts) noexcept {
   const auto [first, last] = groupsOf(part, parts, wakefulness_.awake().size());
+  ContactLists& lists = state_.contacts;
   const StepArrays arrays{.groups = wakefulness_.awake().data(),
-                          .moving = wakefulness_.moving(),
                           .position = state_.position.data(),
                           .velocity = state_.velocity.data(),
                           .external = external_.data(),
                           .listed_at = state_.listed_at.data(),
+                          .grain_class = grain_class_.empty() ? nullptr : grain_class_.data(),
+                          .other = lists.others(),
+                          .first_row = lists.firstRows(),
+                          .rows = lists.rowCounts(),
+                          .slip = lists.slips(),
+                          .touched = lists.touchedRows(),
+                          .near = lists.nearRows(),
+                          .remainder = state_.remainder.empty() ? nullptr : state_.remainder.data(),
+                          .wall_slip = state_.wall_slip.data(),
+                          .near_walls = near_walls_.data(),
                           .next_position = next_position_.data(),
                           .next_velocity = next_velocity_.data(),
-                          .remainder = state_.remainder.empty() ? nullptr : state_.remainder.data(),
                           .contact_force = driven_ > 0 ? contact_force_.data() : nullptr,
-                          .wall_slip = state_.wall_slip.data(),
-                          .grain_class = grain_class_.empty() ? nullptr : grain_class_.data(),
-                          .near_walls = near_walls_.data(),
-                          .other = state_.contacts.others(),
-                          .slip = state_.contacts.slips(),
-                          .first_row = state_.contacts.firstRows(),
-                          .rows = state_.contacts.rowCounts(),
-                          .touched = state_.contacts.touchedRows(),
-                          .near = state_.contacts.nearRows()};
+                          .moving = wakefulness_.moving()};
   Moved moved{moved_.data() + first * kGroup};
   if (hasContactFriction()) {
     stepWithContactFriction(laws_.graded, now_, box_, arrays, first, last, moved);
@@ -483,81 +484,6 @@ std::uint64_t Bed::hash(std::size_t part, std::size_t parts) const noexcept {
 Vec3 Bed::contactForce(std::size_t particle) const noexcept {
   const Float4& force = contact_force_[particle];
   return {force.x, force.y, force.z};
-}
-
-double Bed::energy() const {
-  double energy = 0;
-  const std::size_t n = particles();
-  const auto at = [this](std::size_t i) {
-    const Float4& p = state_.position[i];
-    return Vec3(p.x, p.y, p.z);
-  };
-  const auto cohering = [this](ContactLaw law, double ratio) {
-    law.cohesion_n *= (friction_on_ ? 1 : 0) * ratio;
-    return law;
-  };
-  const int classes = this->classes().count();
-  const auto index = [classes](int a, int b) {
-    return static_cast<std::size_t>(classes) * static_cast<std::size_t>(a) + static_cast<std::size_t>(b);
-  };
-  std::vector<ContactLaw> pairs;
-  for (int k = 0; k < classes * classes; ++k) {
-    const ContactLaw law =
-        classes == 1 ? laws_.pair : makeContactLaw(soilBetween(parameters_.soil, k / classes, k % classes));
-    pairs.push_back(cohering(law, 1));
-  }
-  const auto law_between = [&](int a, int b) -> const ContactFrictionLaw& {
-    return laws_.graded.between[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
-  };
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 x = at(i);
-    const Float4& v = state_.velocity[i];
-    const int own = classOf(i);
-    const double mass_kg = laws_.mass_kg * GrainClasses::scale(3 * own);
-    energy += mass_kg / 2 * Vec3(v.x, v.y, v.z).squaredNorm() - mass_kg * parameters_.gravity_m_s2.dot(x);
-    // Half of a pair's: the mirror image moves as far as the particle.
-    const double radius_m = GrainClasses::scale(own) * parameters_.soil.radius_m;
-    const ContactLaw floor = wallLaw(pairs[index(own, own)], radius_m);
-    ContactLaw side_wall = floor;
-    side_wall.cohesion_n *= wallRatio(parameters_);
-    const double excess = state_.position[i].w;
-    const double nearer = law_between(own, own).nearer;
-    const auto to_walls = [&](double across_m, double from_middle_m) {
-      return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess) - nearer) / 2;
-    };
-    energy += contactEnergy(floor, 2 * (x.z() - excess) - nearer) / 2;
-    energy += parameters_.periodic_x ? 0 : to_walls(parameters_.width_m + 2 * heldWidth(parameters_), x.x());
-    energy += parameters_.periodic_y ? 0 : to_walls(parameters_.length_m + 2 * heldWidth(parameters_), x.y());
-    for (std::uint32_t s = 0; s < state_.contacts.count(i); ++s) {
-      const auto j = static_cast<std::size_t>(state_.contacts.neighbour(i, s));
-      if (j > i) {
-        Vec3 apart = x - at(j);
-        apart.x() -= box_.periods.width * std::round(apart.x() * box_.periods.per_width);
-        apart.y() -= box_.periods.length * std::round(apart.y() * box_.periods.per_length);
-        const int other = classOf(j);
-        const ContactFrictionLaw& law = law_between(own, other);
-        energy += contactEnergy(pairs[index(own, other)], apart.norm() - excess - state_.position[j].w - law.nearer);
-        if (hasContactFriction()) {  // of the side that is awake
-          const ContactLists& lists = state_.contacts;
-          const bool other_side = state_.asleep(i / kGroup);
-          const std::uint32_t back = other_side ? lists.find(j, narrow<std::int32_t>(i)) : 0;
-          if (!other_side || back < lists.count(j)) {
-            const Slip slip = other_side ? lists.slip(j, back) : lists.slip(i, s);
-            energy += law.stiffness / 2 * Vec3(slip.x, slip.y, slip.z).squaredNorm();
-          }
-        }
-      }
-    }
-    if (hasContactFriction()) {
-      const WallSlips& slips = state_.wall_slip[i / kGroup];
-      for (const auto* slip :
-           {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
-        const float slid = (*slip)[i % kGroup];
-        energy += law_between(own, own).stiffness / 2 * slid * slid;
-      }
-    }
-  }
-  return energy + stones_.energy(state_, parameters_.gravity_m_s2);
 }
 
 double Bed::largestSpeed(std::size_t first, std::size_t last) const noexcept {

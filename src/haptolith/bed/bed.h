@@ -10,13 +10,13 @@
 
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/bed/bed_state.h"
-#include "haptolith/bed/bed_tile.h"
+#include "haptolith/bed/kernel/soil_laws.h"
+#include "haptolith/bed/kernel/step_kernel.h"
 #include "haptolith/bed/neighbourhood.h"
-#include "haptolith/bed/soil_laws.h"
-#include "haptolith/bed/step_kernel.h"
+#include "haptolith/bed/start/bed_tile.h"
 #include "haptolith/bed/stones.h"
 #include "haptolith/bed/wakefulness.h"
-#include "haptolith/bed/worker_team.h"
+#include "haptolith/core/process/worker_team.h"
 
 namespace haptolith {
 

@@ -10,7 +10,7 @@
 
 #include "haptolith/bed/cell_grid.h"
 #include "haptolith/bed/grain_classes.h"
-#include "haptolith/bed/kernel_law.h"
+#include "haptolith/bed/kernel/kernel_law.h"
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/bed/bed_start.h"
+#include "haptolith/bed/start/bed_start.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {

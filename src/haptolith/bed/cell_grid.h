@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed_state.h"
-#include "haptolith/bed/kernel_law.h"
+#include "haptolith/bed/kernel/kernel_law.h"
 
 namespace haptolith {
 

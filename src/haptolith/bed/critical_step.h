@@ -15,7 +15,7 @@ namespace haptolith {
 /// answers like a mirror image and so twice as stiffly; k_tool: the tool's contact (paper 21), 0 without a tool.
 ///
 /// With contact friction springs and dampers do not share their modes; the step is stable while no eigenvalue of
-/// dt^2 K + 2 dt C exceeds 4 m (lab/contact_network.h). These are measured, walls included; see packing() in
+/// dt^2 K + 2 dt C exceeds 4 m (lab/apparatus/contact_network.h). These are measured, walls included; see packing() in
 /// critical_step.cpp. k is the largest slope of the contact: k itself, or 4 F_c / range where cohesion sets in.
 /// @param tool_stiffness_n_m  as stiffnessInStep() gives it.
 [[nodiscard]] double stepsPerSecond(const SoilParameters& soil, double tool_stiffness_n_m);

@@ -10,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "haptolith/bed/neighbourhood.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
-#include "haptolith/bed/records-inl.h"
+#include "haptolith/bed/kernel/records-inl.h"
 // clang-format on
 
 #ifndef HAPTOLITH_NEAR_RULE_

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptolith/bed/friction-inl.h"
+#include "haptolith/bed/kernel/friction-inl.h"
 
 namespace haptolith {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-#include "haptolith/bed/kernel_law.h"
+#include "haptolith/bed/kernel/kernel_law.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/soil_parameters.h"

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "haptolith/bed/bed_tile.h"
+#include "haptolith/bed/start/bed_tile.h"
 #include "haptolith/bed/stones_internal.h"
 
 namespace haptolith {

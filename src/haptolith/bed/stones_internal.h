@@ -1,4 +1,4 @@
-// What the parts of Stones share: stones.cpp, stones_look.cpp and stones_restore.cpp.
+// What the parts of Stones share: stones.cpp, stones_neighbours.cpp and stones_restore.cpp.
 
 #pragma once
 

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <string>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/process/child_process.h"
 
 // gnuplot reads its commands from an unnamed temporary file and writes picture and complaints to two others, so that it
 // is never told the name of a file: "|command" would be one. A pipe would be shorter, but when gnuplot stops at an

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 
 namespace haptolith {
 

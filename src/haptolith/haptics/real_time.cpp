@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/start_thread.h"
+#include "haptolith/core/process/start_thread.h"
 
 namespace haptolith {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "haptolith/bed/worker_team.h"
+#include "haptolith/core/process/worker_team.h"
 #include "haptolith/haptics/loop_parameters.h"
 
 namespace haptolith {

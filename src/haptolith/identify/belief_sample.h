@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
-#include "haptolith/identify/force_emulator.h"
-#include "haptolith/identify/soil_state.h"
+#include "haptolith/identify/training/force_emulator.h"
+#include "haptolith/identify/training/soil_state.h"
 
 namespace haptolith {
 

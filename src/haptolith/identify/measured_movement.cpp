@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/table_pose.h"
+#include "haptolith/core/files/table_pose.h"
 
 namespace haptolith {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "haptolith/identify/force_emulator.h"
 #include "haptolith/identify/movement_part.h"
-#include "haptolith/identify/tool_movement.h"
+#include "haptolith/identify/training/force_emulator.h"
+#include "haptolith/identify/training/tool_movement.h"
 
 namespace haptolith {
 
@@ -17,7 +17,7 @@ struct MeasuredSample {
   Vec3 force_n;  ///< of the soil on the tool, in the same frame
 };
 
-/// Reads a table (core/table.h) with the columns t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n and
+/// Reads a table (core/files/table.h) with the columns t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n and
 /// soil_fz_n, as `haptolith run --trace` writes one, or with tool_ before those of the pose, as `haptolith export`
 /// does; others are ignored. Two rows or more; time has any zero, see TimeColumn.
 /// @throws InvalidParameter, Failure: as Table, TimeColumn and readPose(); for positions and forces beyond 1e6.

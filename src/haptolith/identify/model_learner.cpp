@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "haptolith/lab/earthmoving.h"
+#include "haptolith/lab/theory/earthmoving.h"
 
 namespace haptolith {
 

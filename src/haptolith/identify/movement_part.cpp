@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptolith/identify/digging.h"
+#include "haptolith/identify/training/digging.h"
 
 namespace haptolith {
 

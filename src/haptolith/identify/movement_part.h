@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/identify/force_emulator.h"
-#include "haptolith/identify/tool_movement.h"
+#include "haptolith/identify/training/force_emulator.h"
+#include "haptolith/identify/training/tool_movement.h"
 
 namespace haptolith {
 

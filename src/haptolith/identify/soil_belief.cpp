@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/in_parallel.h"
+#include "haptolith/core/process/in_parallel.h"
 
 namespace haptolith {
 

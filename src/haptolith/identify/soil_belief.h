@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "haptolith/identify/belief_sample.h"
-#include "haptolith/identify/force_emulator.h"
+#include "haptolith/identify/training/force_emulator.h"
 
 namespace haptolith {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 
 namespace haptolith {
 
@@ -11,7 +11,7 @@ std::string deadlinesText(const LoopStatistics& statistics) {
   const std::string causes =
       statistics.deadlineMisses() == 0
           ? ""
-          : fmt::format(": {} too long, {} woken late, {} processor taken away", counted(of(Miss::kTooLong), "tick"),
+          : fmt::format(": {} too long, {} woken late, {} processor taken away", pluralise(of(Miss::kTooLong), "tick"),
                         of(Miss::kWokenLate), of(Miss::kPreempted));
   return fmt::format("{} missed{}; {:.0f} % of the last 100 in time", statistics.deadlineMisses(), causes,
                      100 * statistics.successRate());

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "haptolith/haptics/loop_statistics.h"
+#include "haptolith/haptics/loop/loop_statistics.h"
 
 namespace haptolith {
 

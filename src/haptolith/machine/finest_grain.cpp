@@ -12,8 +12,8 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/histogram.h"
-#include "haptolith/core/start_thread.h"
-#include "haptolith/haptics/loop_clock.h"
+#include "haptolith/core/process/start_thread.h"
+#include "haptolith/haptics/loop/loop_clock.h"
 #include "haptolith/haptics/real_time.h"
 #include "haptolith/tool/tool_contact.h"
 

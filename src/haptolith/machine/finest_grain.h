@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
-#include "haptolith/bed/ready_tile.h"
+#include "haptolith/bed/start/ready_tile.h"
 #include "haptolith/haptics/loop_parameters.h"
-#include "haptolith/tool/scene.h"
+#include "haptolith/scene/scene.h"
 
 namespace haptolith {
 

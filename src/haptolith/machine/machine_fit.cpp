@@ -15,10 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/bed/simd_target.h"
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/counted.h"
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/pluralise.h"
 
 namespace haptolith {
 
@@ -188,7 +188,7 @@ FinestGrain fitToMachine(Scenario& scenario, const MachineFitOptions& options, c
 std::string text(const FinestGrain& finest, std::size_t particles) {
   const GrainTrial& chosen = finest.chosen;
   const std::string soil =
-      fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3), counted(chosen.threads, "thread"));
+      fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3), pluralise(chosen.threads, "thread"));
   const auto tick = [](const GrainTrial& trial) { return fmt::format("{:.2g} ms a tick", 1e-3 * trial.tick_us_p99); };
   if (!finest.holds()) {
     return fmt::format("{}: the coarsest soil, and its ticks may be late on this machine ({} particles; {} in a trial)",

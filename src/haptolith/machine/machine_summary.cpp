@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "haptolith/core/counted.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/machine/real_time_checks.h"
 
 namespace haptolith {
@@ -16,7 +16,7 @@ std::string soilText(const std::optional<FinestSoil>& soil) {
     return "not measured: interrupted";
   }
   const std::string what = fmt::format("R = {:.3g} mm (about {} particles, {})", 1e3 * soil->radius_m, soil->particles,
-                                       counted(soil->threads, "thread"));
+                                       pluralise(soil->threads, "thread"));
   return soil->in_time ? fmt::format("{}: 99 % of ticks within {:.0f} us", what, soil->tick_us_p99)
                        : fmt::format("none; even {} is too slow", what);
 }

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "haptolith/haptics/deadline_miss.h"
+#include "haptolith/haptics/loop/deadline_miss.h"
 #include "haptolith/machine/check.h"
 #include "haptolith/machine/wake_ups.h"
 

@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
-#include "haptolith/core/in_parallel.h"
-#include "haptolith/core/stop_asked.h"
+#include "haptolith/core/process/in_parallel.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/mesh/outer_surface.h"
 #include "haptolith/mesh/triangle_tree.h"
 

@@ -20,9 +20,9 @@
 
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/input_file.h"
+#include "haptolith/core/files/input_file.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/stop_asked.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/mesh/mesh_file.h"
 #include "haptolith/mesh/mesh_formats.h"
 

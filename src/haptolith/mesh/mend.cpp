@@ -13,7 +13,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "haptolith/core/stop_asked.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/mesh/triangle_tree.h"
 
 namespace haptolith {
@@ -27,7 +27,7 @@ std::size_t indexOf(std::int32_t index) {
 }
 
 /// "1 triangle", "2 triangles".
-std::string counted(std::size_t count, std::string_view what) {
+std::string pluralise(std::size_t count, std::string_view what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
@@ -681,20 +681,20 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
   throwIfMendingStopped();
   if (size_m > 0) {
     const std::size_t stitched = stitch(mesh, kStitch * size_m);
-    tell(stitched, fmt::format("Joined {} on open edges to others within {:.2g} um.", counted(stitched, "point"),
+    tell(stitched, fmt::format("Joined {} on open edges to others within {:.2g} um.", pluralise(stitched, "point"),
                                1e6 * kStitch * size_m));
   }
-  tell(gone, fmt::format("Left out {} without area.", counted(gone, "triangle")));
+  tell(gone, fmt::format("Left out {} without area.", pluralise(gone, "triangle")));
   const Copies copies = dropCopies(mesh);
   tell(copies.copies,
        copies.two_sided
-           ? fmt::format("Left out {}: the surface was drawn from both sides.", counted(copies.copies, "triangle"))
+           ? fmt::format("Left out {}: the surface was drawn from both sides.", pluralise(copies.copies, "triangle"))
            : fmt::format("Left out {} of others.",
                          copies.copies == 1 ? "1 copy" : fmt::format("{} copies", copies.copies)));
   tell(copies.inner_walls,
-       fmt::format("Left out {} inside, between parts that touch.", counted(copies.inner_walls, "wall triangle")));
+       fmt::format("Left out {} inside, between parts that touch.", pluralise(copies.inner_walls, "wall triangle")));
   const std::size_t loose = dropLooseParts(mesh);
-  tell(loose, fmt::format("Left out {} up to {:.2g} mm.", counted(loose, "loose part"), 1e3 * kLoosePart * size_m));
+  tell(loose, fmt::format("Left out {} up to {:.2g} mm.", pluralise(loose, "loose part"), 1e3 * kLoosePart * size_m));
   if (mesh.triangles.empty()) {
     throw InvalidParameter("mesh", "nothing with an area", "triangles that make up a surface");
   }
@@ -702,22 +702,22 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
 
   Patches patches = turnNeighbours(mesh);
   tell(patches.turned, fmt::format("Turned {} that looked the other way than the surface around.",
-                                   counted(patches.turned, "triangle")));
+                                   pluralise(patches.turned, "triangle")));
   throwIfMendingStopped();
   const Holes holes = closeHoles(mesh, patches.of, size_m, may_be_sheet);
-  tell(holes.closed,
-       fmt::format("Closed {} up to {:.3g} mm around.", counted(holes.closed, "opening"), 1e3 * kLargestHole * size_m));
+  tell(holes.closed, fmt::format("Closed {} up to {:.3g} mm around.", pluralise(holes.closed, "opening"),
+                                 1e3 * kLargestHole * size_m));
   throwIfMendingStopped();
   const Shells shells = shellsOf(mesh, patches);
   if (shells.closed && !patches.one_sided) {
     if (shells.as_in_file.size() > kMostShells) {
-      throw InvalidParameter("mesh", counted(shells.as_in_file.size(), "part"),
+      throw InvalidParameter("mesh", pluralise(shells.as_in_file.size(), "part"),
                              fmt::format("a tool of at most {} closed parts", kMostShells));
     }
     const Turned turned = turnOutwards(mesh, shells);
-    tell(turned.parts, fmt::format("Turned {} inside out.", counted(turned.parts, "part")));
+    tell(turned.parts, fmt::format("Turned {} inside out.", pluralise(turned.parts, "part")));
     tell(turned.cavities,
-         fmt::format("Kept {} as a cavity each, since they look inwards.", counted(turned.cavities, "inner part")));
+         fmt::format("Kept {} as a cavity each, since they look inwards.", pluralise(turned.cavities, "inner part")));
     mended.shells = shells.of;
     mended.shell_count = static_cast<int>(shells.as_in_file.size());
     tell(may_be_sheet ? 1 : 0, "The surface is closed, so it is solid: the thickness of a sheet has no effect.");
@@ -733,8 +733,8 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
   } else {
     throw InvalidParameter(
         "mesh",
-        fmt::format("open in {}, the largest {:.3g} mm around", counted(std::max<std::size_t>(holes.open, 1), "place"),
-                    1e3 * holes.largest_m),
+        fmt::format("open in {}, the largest {:.3g} mm around",
+                    pluralise(std::max<std::size_t>(holes.open, 1), "place"), 1e3 * holes.largest_m),
         fmt::format(
             "closed, but for openings up to {:.3g} mm around: close it where it was made, or give the thickness "
             "of a sheet",

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "haptolith/core/in_parallel.h"
+#include "haptolith/core/process/in_parallel.h"
 
 namespace haptolith {
 

@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/table.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/table.h"
 
 namespace haptolith {
 

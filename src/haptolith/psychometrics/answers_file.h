@@ -24,7 +24,7 @@ struct Answers {
   std::vector<std::string> warnings = {};  ///< a sentence each, with the table's name
 };
 
-/// Reads answers from a table (core/table.h): a row for each level,
+/// Reads answers from a table (core/files/table.h): a row for each level,
 ///
 ///     x,k,n            stimulus, positive answers, answers
 ///

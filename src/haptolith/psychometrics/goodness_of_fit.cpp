@@ -12,8 +12,8 @@
 #include <numeric>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/core/random.h"
-#include "haptolith/core/stop_asked.h"
 #include "haptolith/psychometrics/likelihood.h"
 #include "haptolith/psychometrics/optimum.h"
 #include "haptolith/psychometrics/posterior.h"

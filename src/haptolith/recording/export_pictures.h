@@ -3,7 +3,7 @@
 #include <functional>
 #include <string_view>
 
-#include "haptolith/core/atomic_folder.h"
+#include "haptolith/core/files/atomic_folder.h"
 #include "haptolith/recording/recorded_pictures.h"
 
 // The pictures of a recording for other programs; what is in each format: docs/recording.md. Not for the tick.

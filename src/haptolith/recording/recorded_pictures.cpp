@@ -10,8 +10,8 @@
 #include <span>
 #include <utility>
 
-#include "haptolith/bed/contact_load.h"
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
+#include "haptolith/bed/measure/contact_load.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {

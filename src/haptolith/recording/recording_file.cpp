@@ -11,10 +11,10 @@
 #include <system_error>
 #include <utility>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/child_process.h"
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/core/process/child_process.h"
 
 namespace haptolith::hdf5 {
 
@@ -253,7 +253,7 @@ void RecordingFile::noteMissing(std::uint64_t ticks, double time_s) {
   EventRow& row =
       unwritten_events_.emplace_back(EventRow{.time_s = time_s, .tick = ticks_.rows() + unwritten_ticks_.size()});
   copyText("missing", row.kind);
-  copyText(fmt::format("{} before this time could not be recorded", counted(ticks, "tick")), row.text);
+  copyText(fmt::format("{} before this time could not be recorded", pluralise(ticks, "tick")), row.text);
 }
 
 void RecordingFile::countLost(std::uint64_t lost) {

@@ -10,7 +10,7 @@
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/device/declared_limits.h"
-#include "haptolith/haptics/shown_scene.h"
+#include "haptolith/haptics/loop/shown_scene.h"
 #include "haptolith/haptics/tick_record.h"
 #include "haptolith/soil/soil_parameters.h"
 

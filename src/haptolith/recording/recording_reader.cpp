@@ -13,8 +13,8 @@
 #include <string_view>
 #include <utility>
 
-#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/process/child_process.h"
 #include "haptolith/recording/recording_types.h"
 
 namespace haptolith {

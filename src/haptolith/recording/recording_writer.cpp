@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/start_thread.h"
+#include "haptolith/core/pluralise.h"
+#include "haptolith/core/process/start_thread.h"
 #include "haptolith/recording/recording_file.h"
 
 namespace haptolith {
@@ -139,8 +139,8 @@ class RecordingWriter::Thread {
   void stop(const std::string& why) {
     if (problem_.empty()) {
       problem_ = fmt::format("the recording {} has ended: {}; it holds {}, {} of the particles and {}", path_, why,
-                             counted(written_.ticks, "tick"), counted(written_.frames, "picture"),
-                             counted(written_.events, "event"));
+                             pluralise(written_.ticks, "tick"), pluralise(written_.frames, "picture"),
+                             pluralise(written_.events, "event"));
     }
     waiting_ = {};
     waiting_bytes_ = 0;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "haptolith/device/replay_device.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/recording/recording_reader.h"
 #include "haptolith/scenario/scenario.h"
 

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "haptolith/core/clock.h"
-#include "haptolith/core/start_thread.h"
-#include "haptolith/core/work.h"
+#include "haptolith/core/process/async.h"
+#include "haptolith/core/process/start_thread.h"
 #include "haptolith/ros2/dds_endpoint.h"
 
 namespace haptolith {

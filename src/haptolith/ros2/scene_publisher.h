@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/haptics/tick_record.h"
 #include "haptolith/ros2/ros2_node.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/exchange.h"
+#include "haptolith/core/process/latest_value.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/device/haptic_device.h"
 

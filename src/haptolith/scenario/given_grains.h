@@ -8,9 +8,9 @@
 
 namespace haptolith {
 
-/// Reads where grains are: a table (core/table.h) with the columns x_m, y_m, z_m and radius_m, in the scene's frame, in
-/// any order and among others. Grains with 1, yes, or any number but 0 in a column `held` never move. `haptolith
-/// import` and `export --format particles-csv` write such files.
+/// Reads where grains are: a table (core/files/table.h) with the columns x_m, y_m, z_m and radius_m, in the scene's
+/// frame, in any order and among others. Grains with 1, yes, or any number but 0 in a column `held` never move.
+/// `haptolith import` and `export --format particles-csv` write such files.
 /// @param radius_m  of the soil's grains: sizes are kept as differences from it.
 /// @throws Failure when the file cannot be read; InvalidParameter as Table, with file, line, column and value.
 [[nodiscard]] GivenGrains readGrains(const std::filesystem::path& path, double radius_m);

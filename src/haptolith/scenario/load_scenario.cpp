@@ -7,11 +7,11 @@
 #include "haptolith/scenario/built_in_scenes.h"
 #include "haptolith/scenario/key_use.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scenario_error.h"
 #include "haptolith/scenario/scenario_keys.h"
 #include "haptolith/scenario/stone_keys.h"
-#include "haptolith/scenario/toml_reader.h"
-#include "haptolith/scenario/toml_writer.h"
+#include "haptolith/scenario/toml/scenario_error.h"
+#include "haptolith/scenario/toml/toml_reader.h"
+#include "haptolith/scenario/toml/toml_writer.h"
 #include "haptolith/scenario/tool_part_keys.h"
 
 namespace haptolith {

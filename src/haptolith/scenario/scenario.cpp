@@ -4,10 +4,10 @@
 
 #include <optional>
 
-#include "haptolith/bed/ready_tile.h"
+#include "haptolith/bed/start/ready_tile.h"
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/toml/file_keys.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/tool_contact.h"

@@ -9,7 +9,7 @@
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/device/device_parameters.h"
 #include "haptolith/device/hand/hand_parameters.h"
-#include "haptolith/haptics/handling_parameters.h"
+#include "haptolith/haptics/loop/handling_parameters.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/scenario/soil_file.h"
 #include "haptolith/tool/tool_mesh.h"

@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario.h"
+#include "haptolith/scenario/toml/file_keys.h"
 
 namespace haptolith {
 

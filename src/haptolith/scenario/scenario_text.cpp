@@ -5,7 +5,7 @@
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/scenario/scenario_keys.h"
 #include "haptolith/scenario/stone_keys.h"
-#include "haptolith/scenario/toml_writer.h"
+#include "haptolith/scenario/toml/toml_writer.h"
 
 namespace haptolith {
 

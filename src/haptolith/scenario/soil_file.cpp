@@ -8,13 +8,13 @@
 #include <span>
 #include <utility>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/scenario/built_in_soils.h"
 #include "haptolith/scenario/key_use.h"
 #include "haptolith/scenario/soil_file_keys.h"
-#include "haptolith/scenario/toml_reader.h"
-#include "haptolith/scenario/toml_writer.h"
+#include "haptolith/scenario/toml/toml_reader.h"
+#include "haptolith/scenario/toml/toml_writer.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

@@ -2,9 +2,9 @@
 
 #include <span>
 
-#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario_keys.h"
 #include "haptolith/scenario/soil_file.h"
+#include "haptolith/scenario/toml/file_keys.h"
 
 namespace haptolith {
 

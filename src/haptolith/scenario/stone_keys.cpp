@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/toml_writer.h"
+#include "haptolith/scenario/toml/toml_writer.h"
 
 namespace haptolith {
 

@@ -4,9 +4,9 @@
 #include <span>
 #include <string>
 
-#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/toml_reader.h"
+#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scenario/toml/toml_reader.h"
 #include "haptolith/stone/stone_parameters.h"
 
 namespace haptolith {

@@ -2,9 +2,9 @@
 
 #include <span>
 
-#include "haptolith/scenario/file_keys.h"
 #include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/toml_reader.h"
+#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scenario/toml/toml_reader.h"
 #include "haptolith/tool/tool_part.h"
 
 namespace haptolith {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/session/session_recording.h"
 
 namespace haptolith {

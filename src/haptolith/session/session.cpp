@@ -9,8 +9,8 @@
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/work.h"
-#include "haptolith/device/open_device.h"
+#include "haptolith/core/process/async.h"
+#include "haptolith/device/drivers/open_device.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_contact.h"

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
-#include "haptolith/haptics/last_resort.h"
-#include "haptolith/haptics/loop_thread.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
+#include "haptolith/haptics/loop/loop_thread.h"
+#include "haptolith/haptics/safety/last_resort.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/session/scene_change.h"
 #include "haptolith/tool/tool_mesh.h"

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <utility>
 
-#include "haptolith/bed/simd_target.h"
-#include "haptolith/core/counted.h"
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/new_file_name.h"
+#include "haptolith/core/files/new_file_name.h"
+#include "haptolith/core/pluralise.h"
 
 namespace haptolith {
 
@@ -90,7 +90,7 @@ void SessionRecording::stop() {
   }
   if (const std::uint64_t missing = ended->written().missing; missing > 0) {
     problem_ = fmt::format("{} missing in {}: the program was held up for too long",
-                           counted(missing, "tick is", "ticks are"), name);
+                           pluralise(missing, "tick is", "ticks are"), name);
     options_.warn(problem_);
   }
 }

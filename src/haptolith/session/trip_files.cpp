@@ -8,11 +8,11 @@
 #include <system_error>
 #include <utility>
 
-#include "haptolith/core/atomic_file.h"
-#include "haptolith/core/counted.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/new_file_name.h"
-#include "haptolith/core/user_folder.h"
+#include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/files/new_file_name.h"
+#include "haptolith/core/files/user_folder.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/recording/recording_format.h"
 
 namespace haptolith {
@@ -50,7 +50,7 @@ std::string TripFiles::tell(const TripReport& report, std::string_view problem) 
   told_s_ = report.time_s;
   std::string where;
   if (untold_ > 0) {
-    where = fmt::format("; {} before that", counted(std::exchange(untold_, 0), "more time"));
+    where = fmt::format("; {} before that", pluralise(std::exchange(untold_, 0), "more time"));
   }
   if (files_ < kMostFiles) {
     ++files_;
@@ -66,7 +66,7 @@ std::string TripFiles::tell(const TripReport& report, std::string_view problem) 
 }
 
 std::string TripFiles::rest() const {
-  return untold_ > 0 ? fmt::format("the hand was let go {}", counted(untold_, "more time")) : "";
+  return untold_ > 0 ? fmt::format("the hand was let go {}", pluralise(untold_, "more time")) : "";
 }
 
 }  // namespace haptolith

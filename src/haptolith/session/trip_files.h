@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "haptolith/haptics/trip_report.h"
+#include "haptolith/haptics/safety/trip_report.h"
 
 namespace haptolith {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "haptolith/core/crossing.h"
+#include "haptolith/core/find_root.h"
 
 namespace haptolith {
 
@@ -14,9 +14,9 @@ namespace {
 /// The contacts that the table is good for, somewhat beyond its ends.
 constexpr double kLeastFriction = 0.1, kMostFriction = 0.85, kMostCohesion_n = 1.5;
 
-/// What shear tests of lunar contacts (lab/calibrate_soil.cpp) showed (shearTest(), seed 1; where friction and cohesion
-/// are both large, rounded guesses from the neighbours): the surrogate with which a calibration begins. Only its slopes
-/// matter in the end.
+/// What shear tests of lunar contacts (lab/report/calibrate_soil.cpp) showed (shearTest(), seed 1; where friction and
+/// cohesion are both large, rounded guesses from the neighbours): the surrogate with which a calibration begins. Only
+/// its slopes matter in the end.
 constexpr std::array kFrictions{0.2, 0.35, 0.5, 0.7};
 constexpr std::array kCohesions_n{0.0, 0.1, 0.3, 0.9};
 using Table = std::array<std::array<ShearStrength, 4>, 4>;  // [cohesion][friction]
@@ -80,11 +80,11 @@ ShearStrength tabulatedStrength(const ContactStrength& contact, SoilStrength kin
 
 ContactStrength tabulatedContact(const ShearStrength& wanted, SoilStrength kind) {
   const auto cohesion_for = [&](double friction) {
-    return wanted.cohesion_pa <= 0 ? 0 : crossing({0, kMostCohesion_n}, [&](double cohesion) {
+    return wanted.cohesion_pa <= 0 ? 0 : findRoot({0, kMostCohesion_n}, [&](double cohesion) {
       return tabulatedStrength({friction, cohesion}, kind).cohesion_pa - wanted.cohesion_pa;
     });
   };
-  const double friction = crossing({kLeastFriction, kMostFriction}, [&](double mu) {
+  const double friction = findRoot({kLeastFriction, kMostFriction}, [&](double mu) {
     return tabulatedStrength({mu, cohesion_for(mu)}, kind).angle_deg - wanted.angle_deg;
   });
   return {friction, cohesion_for(friction)};
@@ -109,7 +109,7 @@ ShearStrength CalibratedStrength::at(const ContactStrength& contact) const {
 }
 
 double CalibratedStrength::contactCohesionFor(double friction, double cohesion_pa) const {
-  return cohesion_pa <= 0 ? 0 : crossing({0, kMostCohesion_n}, [&](double cohesion_n) {
+  return cohesion_pa <= 0 ? 0 : findRoot({0, kMostCohesion_n}, [&](double cohesion_n) {
     return cohesionOf({friction, cohesion_n}) - cohesion_pa;
   });
 }
@@ -119,7 +119,7 @@ ShearStrength CalibratedStrength::of(const SoilParameters& soil) const {
 }
 
 SoilParameters CalibratedStrength::with(SoilParameters soil, const ShearStrength& wanted) const {
-  soil.contact_friction = crossing({kLeastFriction, kMostFriction}, [&](double friction) {
+  soil.contact_friction = findRoot({kLeastFriction, kMostFriction}, [&](double friction) {
     return at({friction, contactCohesionFor(friction, wanted.cohesion_pa)}).angle_deg - wanted.angle_deg;
   });
   soil.contact_cohesion_n = contactCohesionFor(soil.contact_friction, wanted.cohesion_pa) * sizeFactor(soil);

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "haptolith/core/stop_asked.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/mesh/outer_surface.h"
 #include "haptolith/mesh/triangle_tree.h"
 #include "haptolith/stone/filling.h"

@@ -7,7 +7,7 @@
 #define HWY_TARGET_INCLUDE "haptolith/tool/tool_box.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
-#include "haptolith/bed/records-inl.h"
+#include "haptolith/bed/kernel/records-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "haptolith/bed/friction-inl.h"
+#include "haptolith/bed/kernel/friction-inl.h"
 #include "haptolith/tool/tool_box.h"
 #include "haptolith/tool/tool_shape.h"
 

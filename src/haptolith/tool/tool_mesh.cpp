@@ -9,7 +9,7 @@
 #include <mutex>
 #include <utility>
 
-#include "haptolith/core/input_file.h"
+#include "haptolith/core/files/input_file.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/mesh/shown_surface.h"
 

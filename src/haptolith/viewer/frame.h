@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptolith/core/vec.h"
-#include "haptolith/haptics/shown_scene.h"
+#include "haptolith/haptics/loop/shown_scene.h"
 
 namespace haptolith {
 

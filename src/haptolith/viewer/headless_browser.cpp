@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "haptolith/core/base64.h"
-#include "haptolith/core/child_process.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/process/child_process.h"
 
 // Chromium is steered through two pipes with JSON messages that end in a zero byte (--remote-debugging-pipe; the
 // commands are those of https://chromedevtools.github.io/devtools-protocol). A port would do the same, but to everybody

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "haptolith/bed/contact_load.h"
+#include "haptolith/bed/measure/contact_load.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/overloaded.h"
 #include "haptolith/viewer/messages.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/bed/simd_target.h"
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
 #include "haptolith/scenario/scene_words.h"

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/exchange.h"
+#include "haptolith/core/process/latest_value.h"
 #include "haptolith/device/device_parameters.h"
 #include "haptolith/device/drivers/rate_control.h"
 #include "haptolith/device/haptic_device.h"

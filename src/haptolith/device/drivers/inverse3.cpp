@@ -20,8 +20,8 @@
 
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/exchange.h"
-#include "haptolith/core/start_thread.h"
+#include "haptolith/core/process/latest_value.h"
+#include "haptolith/core/process/start_thread.h"
 #include "haptolith/device/drivers/inverse3_messages.h"
 
 namespace haptolith {

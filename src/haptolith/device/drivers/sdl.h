@@ -2,7 +2,7 @@
 
 #include <SDL.h>
 
-#include "haptolith/core/shared_library.h"
+#include "haptolith/core/process/shared_library.h"
 
 namespace haptolith {
 

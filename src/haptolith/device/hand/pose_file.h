@@ -10,8 +10,9 @@ namespace haptolith {
 /// A recorded movement of the tool: poses over time, between which positions go straight and rotations evenly.
 class PoseFile {
  public:
-  /// Reads a table (core/table.h) with the columns t_s, x_m, y_m, z_m, qw, qx, qy and qz: seconds as TimeColumn reads
-  /// them, metres in the scene's frame, a quaternion that turns the tool's frame into the scene's; 2 to 5 million rows.
+  /// Reads a table (core/files/table.h) with the columns t_s, x_m, y_m, z_m, qw, qx, qy and qz: seconds as TimeColumn
+  /// reads them, metres in the scene's frame, a quaternion that turns the tool's frame into the scene's; 2 to 5 million
+  /// rows.
   /// @throws Failure when the file cannot be read; InvalidParameter with file, line, column and value as Table and
   /// TimeColumn, for a quaternion not of unit length within 1 %, too few or many rows, or a position beyond
   /// `largest_m` from the origin on any axis.

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <optional>
 
-#include "haptolith/core/exchange.h"
+#include "haptolith/core/process/latest_value.h"
 #include "haptolith/device/hand/arm.h"
 #include "haptolith/device/hand/hand_command.h"
 #include "haptolith/device/hand/hand_parameters.h"

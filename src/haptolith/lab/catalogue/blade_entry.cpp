@@ -10,10 +10,10 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/lab/blade.h"
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/findings.h"
+#include "haptolith/lab/report/findings.h"
 #include "haptolith/lab/staged_progress.h"
+#include "haptolith/lab/tests/blade.h"
 
 namespace haptolith {
 

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <memory>
 
-#include "haptolith/lab/carry.h"
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/fall.h"
-#include "haptolith/lab/findings.h"
+#include "haptolith/lab/report/findings.h"
+#include "haptolith/lab/tests/carry.h"
+#include "haptolith/lab/tests/fall.h"
 
 namespace haptolith {
 

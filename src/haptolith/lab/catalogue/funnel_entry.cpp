@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/findings.h"
-#include "haptolith/lab/funnel.h"
+#include "haptolith/lab/report/findings.h"
+#include "haptolith/lab/tests/funnel.h"
 
 namespace haptolith {
 

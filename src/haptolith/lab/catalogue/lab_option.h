@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/lab/lab_bed.h"
+#include "haptolith/lab/apparatus/lab_bed.h"
 
 namespace haptolith {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/lab/catalogue/lab_option.h"
 #include "haptolith/lab/laboratory.h"
 #include "haptolith/soil/soil_target.h"

@@ -7,12 +7,12 @@
 #include <memory>
 #include <optional>
 
-#include "haptolith/lab/bearing_capacity.h"
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/cone.h"
-#include "haptolith/lab/findings.h"
-#include "haptolith/lab/plate.h"
-#include "haptolith/lab/soil_strength.h"
+#include "haptolith/lab/report/findings.h"
+#include "haptolith/lab/tests/cone.h"
+#include "haptolith/lab/tests/plate.h"
+#include "haptolith/lab/tests/soil_strength.h"
+#include "haptolith/lab/theory/bearing_capacity.h"
 
 namespace haptolith {
 

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/resistive_comparison.h"
+#include "haptolith/lab/tests/resistive_comparison.h"
 
 namespace haptolith {
 

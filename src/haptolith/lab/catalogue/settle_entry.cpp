@@ -5,9 +5,9 @@
 
 #include <memory>
 
+#include "haptolith/lab/apparatus/settle.h"
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/findings.h"
-#include "haptolith/lab/settle.h"
+#include "haptolith/lab/report/findings.h"
 #include "haptolith/soil/lunar_density.h"
 
 namespace haptolith {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 
 namespace haptolith {
 

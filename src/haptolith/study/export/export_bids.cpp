@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_folder.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_folder.h"
 #include "haptolith/study/export/analysis_scripts.h"
 #include "haptolith/study/export/export.h"
 #include "haptolith/study/export/export_tables.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/study/export/analysis_scripts.h"
 #include "haptolith/study/export/export.h"
 #include "haptolith/study/export/export_tables.h"

@@ -14,8 +14,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_reader.h"
-#include "haptolith/study/form.h"
-#include "haptolith/study/groups.h"
+#include "haptolith/study/protocol/form.h"
+#include "haptolith/study/protocol/groups.h"
 
 namespace haptolith {
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/study/export/export.h"
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 #include "haptolith/study/store/provenance.h"
 #include "haptolith/study/store/store.h"
 

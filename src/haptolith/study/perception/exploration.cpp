@@ -12,13 +12,13 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/core/random.h"
-#include "haptolith/core/stop_asked.h"
 #include "haptolith/device/hand/manoeuvre.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scenario/scene_words.h"
-#include "haptolith/study/felt_summary.h"
+#include "haptolith/study/results/felt_summary.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {

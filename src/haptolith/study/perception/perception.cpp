@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/in_parallel.h"
+#include "haptolith/core/process/in_parallel.h"
 #include "haptolith/scenario/scene_words.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/contact_strength.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/study/perception/perception.h"
 
 namespace haptolith {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptolith/study/perception/perception.h"
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 
 namespace haptolith {
 

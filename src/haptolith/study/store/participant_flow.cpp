@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "haptolith/study/groups.h"
+#include "haptolith/study/protocol/groups.h"
 
 namespace haptolith {
 

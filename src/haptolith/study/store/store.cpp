@@ -16,10 +16,10 @@
 #include <system_error>
 #include <utility>
 
-#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/study/form.h"
+#include "haptolith/study/protocol/form.h"
 #include "haptolith/study/store/participant_code.h"
 #include "haptolith/study/store/store_file.h"
 #include "haptolith/study/store/store_implementation.h"

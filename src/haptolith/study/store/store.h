@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/study/protocol.h"
-#include "haptolith/study/sequence.h"
+#include "haptolith/study/protocol/protocol.h"
+#include "haptolith/study/protocol/sequence.h"
 #include "haptolith/study/store/provenance.h"
 
 namespace haptolith {

@@ -9,9 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/study/form.h"
-#include "haptolith/study/groups.h"
-#include "haptolith/study/sequence.h"
+#include "haptolith/study/protocol/form.h"
+#include "haptolith/study/protocol/groups.h"
+#include "haptolith/study/protocol/sequence.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/store/store_file.h"
 #include "haptolith/study/store/store_implementation.h"

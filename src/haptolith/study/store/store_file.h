@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 
 namespace haptolith {
 

@@ -11,7 +11,7 @@
 #include <type_traits>
 
 #include "haptolith/core/error.h"
-#include "haptolith/study/protocol.h"
+#include "haptolith/study/protocol/protocol.h"
 #include "haptolith/study/store/runner_lock.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/store/study_schema.h"

@@ -11,8 +11,8 @@
 #include <string>
 #include <system_error>
 
-#include "haptolith/core/atomic_file.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/study/store/participant_code.h"
 
 namespace haptolith {

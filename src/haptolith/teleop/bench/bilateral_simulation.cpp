@@ -5,7 +5,7 @@
 #include "haptolith/teleop/bench/operator_hand.h"
 #include "haptolith/teleop/bench/simulation_parts.h"
 #include "haptolith/teleop/operator/site_map.h"
-#include "haptolith/teleop/robot/passive_end.h"
+#include "haptolith/teleop/robot/bilateral_end.h"
 #include "haptolith/teleop/robot/site_camera.h"
 
 namespace haptolith::simulation {
@@ -121,7 +121,7 @@ class BilateralRobot {
   [[nodiscard]] const Wrench& met() const noexcept { return met_; }
   /// What the channel carries of it: without the sensor's noise, which would cost energy in the air.
   [[nodiscard]] const Wrench& smooth() const noexcept { return smooth_; }
-  [[nodiscard]] const PassiveEnd& end() const noexcept { return end_; }
+  [[nodiscard]] const BilateralEnd& end() const noexcept { return end_; }
 
  private:
   RobotParameters parameters_;
@@ -129,7 +129,7 @@ class BilateralRobot {
   double tick_s_, period_;
   ForceSensor sensor_;
   WrenchFilter filter_;
-  PassiveEnd end_;
+  BilateralEnd end_;
   double since_ = 0, index_from_ = 0;  ///< ticks since the newest place came; index then
   std::uint64_t index_to_ = 0;
   Pose commanded_, target_;
@@ -144,7 +144,7 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
   const Course course(setup, setup.bilateral_period_s, progress);
   const double tick_s = course.time(1);
   OperatorHand hand(setup, 0);
-  PassiveEnd end(tick_s, setup.robot.arm.lever_m);
+  BilateralEnd end(tick_s, setup.robot.arm.lever_m);
   Site site(setup.site);
   BilateralRobot robot(setup.robot, site, VirtualHand(handAbove(setup.model, 0), tick_s).read().pose, course.period(),
                        setup.model.loop.filter_cutoff_hz, tick_s);

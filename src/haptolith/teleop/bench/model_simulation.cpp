@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/haptics/haptic_loop.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/teleop/bench/operator_hand.h"
 #include "haptolith/teleop/bench/simulation_parts.h"
 #include "haptolith/teleop/link/teleop_packet.h"

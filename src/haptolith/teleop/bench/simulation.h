@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-#include "haptolith/identify/strength_map.h"
+#include "haptolith/identify/training/strength_map.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/teleop/link/link.h"
 #include "haptolith/teleop/link/teleop_packet.h"
@@ -20,7 +20,7 @@ namespace haptolith {
 enum class Feedback : std::uint8_t {
   kModel,      ///< a bed of its own, at once: model-mediated teleoperation
   kNone,       ///< nothing: the tool goes through the air, and what the robot met is read off a display, late
-  kBilateral,  ///< what the robot's sensor tells, late, kept passive by PassiveEnd at both ends
+  kBilateral,  ///< what the robot's sensor tells, late, kept passive by BilateralEnd at both ends
 };
 
 /// A teleoperation in simulated time: a virtual hand, a link, a robot in a bed of its own.

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/teleop/bench/simulation.h"
 
 namespace haptolith::simulation {

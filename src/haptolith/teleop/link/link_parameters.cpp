@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "haptolith/core/table.h"
+#include "haptolith/core/files/table.h"
 
 namespace haptolith {
 

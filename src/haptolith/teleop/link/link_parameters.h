@@ -74,9 +74,9 @@ struct LinkRanges {
 /// not grow, and for a link that turns bad and never good again.
 void validate(const LinkParameters& link);
 
-/// Reads delays as they were measured: a table (core/table.h) with the columns t_s and delay_s, times growing. Times
-/// from 0 to 1e8 s are the link's own; if the first one is none of these (seconds since 1970, a clock's milliseconds or
-/// nanoseconds), all count from it.
+/// Reads delays as they were measured: a table (core/files/table.h) with the columns t_s and delay_s, times growing.
+/// Times from 0 to 1e8 s are the link's own; if the first one is none of these (seconds since 1970, a clock's
+/// milliseconds or nanoseconds), all count from it.
 /// @throws InvalidParameter, Failure: as Table and TimeColumn; for delays outside LinkRanges, and where there is none.
 [[nodiscard]] std::vector<DelayAt> readDelays(const std::filesystem::path& path);
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/teleop/link/link.h"
 
 namespace haptolith {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/atomic_file.h"
+#include "haptolith/core/files/atomic_file.h"
 #include "haptolith/teleop/operator/force_agreement.h"
 
 namespace haptolith {

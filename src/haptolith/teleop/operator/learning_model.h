@@ -6,9 +6,9 @@
 #include <map>
 #include <optional>
 
-#include "haptolith/core/work.h"
+#include "haptolith/core/process/async.h"
 #include "haptolith/identify/model_learner.h"
-#include "haptolith/identify/strength_map.h"
+#include "haptolith/identify/training/strength_map.h"
 #include "haptolith/scenario/scenario.h"
 #include "haptolith/teleop/link/robot_report.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/teleop/link/site_packet.h"
 
 namespace haptolith {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/error.h"
 #include "haptolith/identify/measured_movement.h"
 

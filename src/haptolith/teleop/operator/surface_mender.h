@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/bed/surface_height.h"
-#include "haptolith/core/work.h"
+#include "haptolith/bed/measure/surface_height.h"
+#include "haptolith/core/process/async.h"
 #include "haptolith/teleop/operator/site_map.h"
 #include "haptolith/tool/tool_parameters.h"
 

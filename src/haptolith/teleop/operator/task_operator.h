@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
+#include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/scenario/site_task.h"
 #include "haptolith/teleop/operator/site_map.h"

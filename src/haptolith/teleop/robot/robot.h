@@ -7,11 +7,11 @@
 
 #include "haptolith/core/movement.h"
 #include "haptolith/device/hand/arm.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/teleop/link/command_track.h"
 #include "haptolith/teleop/link/robot_report.h"
 #include "haptolith/teleop/robot/force_sensor.h"
 #include "haptolith/teleop/robot/robot_arm.h"
-#include "haptolith/tool/scene.h"
 
 namespace haptolith {
 

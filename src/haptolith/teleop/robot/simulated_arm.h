@@ -1,9 +1,9 @@
 #pragma once
 
 #include "haptolith/device/hand/arm.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/teleop/robot/force_sensor.h"
 #include "haptolith/teleop/robot/robot_arm.h"
-#include "haptolith/tool/scene.h"
 
 namespace haptolith {
 

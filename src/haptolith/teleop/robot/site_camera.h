@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "haptolith/bed/surface_height.h"
-#include "haptolith/core/work.h"
+#include "haptolith/bed/measure/surface_height.h"
+#include "haptolith/core/process/async.h"
 #include "haptolith/teleop/link/site_packet.h"
 
 namespace haptolith {

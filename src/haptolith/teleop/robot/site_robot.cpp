@@ -6,10 +6,10 @@
 #include <optional>
 #include <utility>
 
-#include "haptolith/bed/surface_height.h"
-#include "haptolith/core/start_thread.h"
+#include "haptolith/bed/measure/surface_height.h"
+#include "haptolith/core/process/start_thread.h"
 #include "haptolith/device/hand/virtual_hand.h"
-#include "haptolith/haptics/loop_clock.h"
+#include "haptolith/haptics/loop/loop_clock.h"
 
 namespace haptolith {
 

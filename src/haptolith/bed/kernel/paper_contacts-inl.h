@@ -1,0 +1,75 @@
+// What a particle feels of its neighbours by the paper's law. Included again for every target, hence the toggled guard
+// (Highway's idiom).
+
+#if defined(HAPTOLITH_PAPER_CONTACTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HAPTOLITH_PAPER_CONTACTS_INL_H_
+#undef HAPTOLITH_PAPER_CONTACTS_INL_H_
+#else
+#define HAPTOLITH_PAPER_CONTACTS_INL_H_
+#endif
+
+#include "haptolith/bed/kernel/rows-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace haptolith::HWY_NAMESPACE {
+
+struct PaperContacts {
+  LawOf<V> law;
+  V cutoff, near_limit, diameter;
+  PeriodsOf periods;
+
+  PaperContacts(const KernelLaw& scalar, const Periods& box, float near_m)
+      : law(lawOf(scalar)),
+        cutoff(set(scalar.cutoff)),
+        near_limit(set(scalar.cutoff + near_m)),
+        diameter(set(scalar.diameter)),
+        periods(box) {}
+
+  /// (paper 19) over all neighbours. While one row's forces are worked out, the next row's particles are fetched
+  /// already: either alone is a long chain in which each step waits for the one before.
+  template <bool kPeriodic>
+  HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here) const {
+    const V zero = hn::Zero(D());
+    const V one = set(1);
+    Sums sums{zero, zero, zero, zero, zero};
+    const Rows rows(arrays, at);
+    const auto fetch = [&](std::size_t row) { return apart<kPeriodic>(periods, here, rows.positions(row)); };
+    Apart next = fetch(0);  // there is room for a row, if with ghosts only
+    for (std::size_t row = 0; row < at.rows; ++row) {
+      const Apart d = next;
+      next = fetch(row + 1 < at.rows ? row + 1 : row);
+      rows.askForNextOthers(row);
+      const Distance a = distanceOf(d.squared);
+      if (at.looking != nullptr && !hn::AllFalse(D(), a.metres < near_limit)) {
+        noteNear(at, row);
+      }
+      const V force = hn::IfThenElseZero(a.metres < cutoff, uncutContactForce(law, a.metres));
+      const V per_metre = force * a.inverse;
+      sums.x = hn::MulAdd(per_metre, d.x, sums.x);
+      sums.y = hn::MulAdd(per_metre, d.y, sums.y);
+      sums.z = hn::MulAdd(per_metre, d.z, sums.z);
+      sums.repulsion = sums.repulsion + hn::Max(force, zero);
+      sums.contacts = sums.contacts + hn::IfThenElseZero(a.metres < diameter, one);
+    }
+    return sums;
+  }
+
+  /// Adds the push of a wall at `distance` along one axis; `sign` is the axis's direction away from the wall. The wall
+  /// is the particle's mirror image (see wallLaw()) and, like any macroparticle, counts for friction and damping.
+  HWY_INLINE void addWall(V distance, V sign, V& force, Sums& sums) const {
+    const V a = distance + distance;
+    const auto touches = a < diameter;
+    if (hn::AllFalse(D(), touches)) {
+      return;
+    }
+    const V push = hn::IfThenElseZero(touches, uncutContactForce(law, a));
+    force = hn::MulAdd(sign, push, force);
+    sums.repulsion = sums.repulsion + push;
+    sums.contacts = sums.contacts + hn::IfThenElseZero(touches, set(1));
+  }
+};
+
+}  // namespace haptolith::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,146 @@
+// Rows of neighbours, one for each particle of a vector, and how far those are: what all laws of contact go through.
+// Included again for every target, hence the toggled guard (Highway's idiom).
+
+#if defined(HAPTOLITH_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HAPTOLITH_ROWS_INL_H_
+#undef HAPTOLITH_ROWS_INL_H_
+#else
+#define HAPTOLITH_ROWS_INL_H_
+#endif
+
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include "haptolith/bed/kernel/records-inl.h"
+#include "haptolith/bed/kernel/step_arrays.h"
+#include "haptolith/soil/contact_law-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace haptolith::HWY_NAMESPACE {
+
+HWY_INLINE V set(float value) {
+  return hn::Set(D(), value);
+}
+
+/// Where in the arrays a vector of particles stands: 16 particles are a group, one vector of AVX-512 or several.
+struct Lanes {
+  std::size_t group, in_group, next_group;
+  std::size_t rows;   // to go through
+  NearRows* looking;  // where to note which of them have somebody near; null: that is known
+  [[nodiscard]] std::size_t particle() const { return group * kGroup + in_group; }
+};
+
+/// The rows of a group and of the one after it. While one is worked on the other is asked for, a row at a time: lists
+/// are longer than processors look ahead, and large beds lie in memory far slower than the kernel is.
+class Rows {
+ public:
+  Rows(const StepArrays& arrays, const Lanes& at)
+      : other_(arrays.other + arrays.first_row[at.group] * kGroup + at.in_group),
+        next_other_(arrays.other + arrays.first_row[at.next_group] * kGroup),
+        slip_(arrays.slip + arrays.first_row[at.group] * 3 * kGroup + at.in_group),
+        next_slip_(arrays.slip + arrays.first_row[at.next_group] * 3 * kGroup),
+        position_(arrays.position),
+        velocity_(arrays.velocity) {}
+
+  /// Records of a row's neighbours.
+  [[nodiscard]] HWY_INLINE Records positions(std::size_t row) const {
+    return loadRecords(position_, other_ + row * kGroup);
+  }
+  [[nodiscard]] HWY_INLINE Records velocities(std::size_t row) const {
+    return loadRecords(velocity_, other_ + row * kGroup);
+  }
+  /// x of a row; y and z stand kGroup and 2 kGroup behind.
+  [[nodiscard]] HWY_INLINE float* slips(std::size_t row) const { return slip_ + row * 3 * kGroup; }
+  HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(next_other_ + row * kGroup); }
+  HWY_INLINE void askForNextSlips(std::size_t row) const {
+    const float* slip = next_slip_ + row * 3 * kGroup;
+    hwy::Prefetch(slip);
+    hwy::Prefetch(slip + kGroup);
+    hwy::Prefetch(slip + 2 * kGroup);
+  }
+
+ private:
+  const std::uint32_t *other_, *next_other_;
+  float *slip_, *next_slip_;
+  const Float4 *position_, *velocity_;
+};
+
+/// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1. Groups that
+/// have not looked who is near do so.
+template <class Each>
+HWY_INLINE void forEachVector(const StepArrays& arrays, std::uint64_t look, std::size_t first, std::size_t last,
+                              const Each& each) {
+  for (std::size_t k = first; k < last; ++k) {
+    const std::size_t group = arrays.groups != nullptr ? arrays.groups[k] : k;
+    const std::size_t next = arrays.groups != nullptr ? arrays.groups[k + 1] : k + 1;
+    NearRows* const near = arrays.near != nullptr ? arrays.near + group : nullptr;
+    const bool known = near != nullptr && near->look == look;
+    Lanes at{group, 0, next, known ? near->rows : arrays.rows[group], known ? nullptr : near};
+    if (at.looking != nullptr) {
+      *near = {look, 0};
+    }
+    for (; at.in_group < kGroup; at.in_group += hn::Lanes(D())) {
+      each(at);
+    }
+  }
+}
+
+/// Notes that a row has somebody near.
+HWY_INLINE void noteNear(const Lanes& at, std::size_t row) {
+  at.looking->rows = HWY_MAX(at.looking->rows, static_cast<std::uint32_t>(row + 1));
+}
+
+/// A distance and its inverse from its square, the distance to the last bit but one, for the law magnifies its error:
+/// Goldschmidt's step from the processor's first guess, and one more for the distance where that has 12 bits only.
+struct Distance {
+  V metres, inverse;
+};
+HWY_INLINE Distance distanceOf(V squared) {
+  const V half = set(0.5F);
+  const V guess = hn::ApproximateReciprocalSqrt(squared);
+  V metres = squared * guess;
+  V half_inverse = guess * half;
+  for (int i = 0; i < kNewtonSteps; ++i) {
+    const V error = hn::NegMulAdd(metres, half_inverse, half);
+    metres = hn::MulAdd(metres, error, metres);
+    half_inverse = hn::MulAdd(half_inverse, error, half_inverse);
+  }
+  constexpr bool kGoodGuess = HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM;  // better targets have smaller numbers
+  if constexpr (!kGoodGuess) {
+    metres = hn::MulAdd(hn::NegMulAdd(metres, metres, squared), half_inverse, metres);
+  }
+  return {metres, half_inverse + half_inverse};
+}
+
+struct PeriodsOf {
+  V width, length, per_width, per_length;
+  explicit PeriodsOf(const Periods& p)
+      : width(set(p.width)), length(set(p.length)), per_width(set(p.per_width)), per_length(set(p.per_length)) {}
+};
+
+/// From neighbours to particles: where they are, and how far that is.
+struct Apart {
+  V x, y, z, squared;
+};
+template <bool kPeriodic>
+HWY_INLINE Apart apart(const PeriodsOf& periods, const Records& here, const Records& other) {
+  const V x = nearestImage<kPeriodic>(here.x - other.x, periods.width, periods.per_width);
+  const V y = nearestImage<kPeriodic>(here.y - other.y, periods.length, periods.per_length);
+  const V z = here.z - other.z;
+  const V tiny = set(1e-24F);  // two centres in one point repel nowhere, instead of 0/0
+  return {x, y, z, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, tiny)))};
+}
+
+/// What particles feel of their neighbours.
+struct Sums {
+  V x, y, z, repulsion, contacts;
+};
+
+HWY_INLINE LawOf<V> lawOf(const KernelLaw& law) {
+  return {set(law.gamma), set(law.a_min), set(law.a_thr), set(law.h), set(law.k)};
+}
+
+}  // namespace haptolith::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,54 @@
+#include "haptolith/bed/kernel/simd_target.h"
+
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "haptolith/bed/kernel/simd_target.cpp"
+#include <hwy/foreach_target.h>  // before highway.h
+#include <hwy/highway.h>
+// clang-format on
+
+#include <cstdlib>
+#include <string>
+
+#include "haptolith/core/error.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace haptolith::HWY_NAMESPACE {
+
+const char* targetName() {
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace haptolith::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace haptolith {
+
+HWY_EXPORT(targetName);
+
+const char* simdTarget() noexcept {
+  return HWY_DYNAMIC_DISPATCH(targetName)();
+}
+
+void useSimdTarget(std::string_view name) {
+  std::string there;
+  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
+    const std::int64_t target = targets & -targets;
+    if (name == hwy::TargetName(target)) {
+      hwy::SetSupportedTargetsForTest(target);
+      return;
+    }
+    there += std::string(there.empty() ? "" : ", ") + hwy::TargetName(target);
+  }
+  throw InvalidParameter("HAPTOLITH_SIMD", std::string(name), "one of " + there + " on this machine");
+}
+
+void useSimdTargetOfEnvironment() {
+  if (const char* name = std::getenv("HAPTOLITH_SIMD"); name != nullptr && *name != '\0') {
+    useSimdTarget(name);
+  }
+}
+
+}  // namespace haptolith
+#endif  // HWY_ONCE

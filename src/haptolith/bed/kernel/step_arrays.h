@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+
+#include "haptolith/bed/bed_state.h"
+
+namespace haptolith {
+
+/// What a step reads and writes. G groups of kGroup, N = kGroup G records, of which those behind the particles are
+/// ghosts, R rows of kGroup entries in the contact lists' pool.
+struct StepArrays {
+  // Read. Which groups are stepped:
+  const std::uint32_t* groups;  ///< those to step, and one number more behind the last; null: all G
+
+  // Read. Particles:
+  const Float4 *position, *velocity;  ///< [N] m, m/s
+  const Float4* external;             ///< [N] forces of tool and stones, N
+  const Float4* listed_at;            ///< [N] where the lists have each, m: see Neighbourhood
+  const std::uint8_t* grain_class;    ///< [G]; null: all of the coarsest (contact friction only)
+
+  // Read. Contact lists, as in ContactLists:
+  const std::uint32_t* other;      ///< [R][kGroup] where each neighbour's record begins, bytes
+  const std::uint32_t* first_row;  ///< [G + 1] of each group's rows
+  const std::uint16_t* rows;       ///< [G] how many rows each has
+
+  // Read and written.
+  float* slip;               ///< [R][3][kGroup] x, y and z of each entry's slip, m
+  std::uint16_t* touched;    ///< [G] rows behind which no entry remembers anything
+  NearRows* near;            ///< [G]; null: all rows
+  Float4* remainder;         ///< [N] BedState::remainder; null: none
+  WallSlips* wall_slip;      ///< [G] contact friction only
+  std::uint8_t* near_walls;  ///< [G] a bit for each wall; where it is clear nothing is remembered of that wall
+
+  // Written.
+  Float4 *next_position, *next_velocity;  ///< [N]
+  Float4* contact_force;                  ///< [N] of the neighbours on each particle, N; null: not kept
+  std::uint8_t* moving;                   ///< [G] whether any of its particles is not at rest
+};
+
+}  // namespace haptolith

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "haptolith/bed/kernel/kernel_law.h"
+#include "haptolith/bed/kernel/step_arrays.h"
+
+namespace haptolith {
+
+/// Constants of one step, in the particles' precision.
+struct StepConstants {
+  float dt;
+  float weight_x, weight_y, weight_z;  ///< of a particle of the coarsest class, N
+  float inverse_mass;                  ///< the same, 1/kg
+  float skin_half_squared;             ///< the same, m^2
+  float rest_squared;                  ///< (m/s)^2: what moves faster is not at rest
+  std::uint64_t look;                  ///< see NearRows
+  float near_m;  ///< how much further apart than a contact reaches those are that may come to touch
+  // Paper's friction:
+  float damping, static_friction, moving_friction;
+  // Contact friction:
+  float friction_ratio;  ///< friction and cohesion over the soil's: 1, and 0 while settling
+  float drag;            ///< share of the speed kept, 1 but while settling
+};
+
+/// Floor at z = 0, and the side walls where the box does not repeat itself.
+struct StepBox {
+  float half_width, half_length;
+  bool walls_x, walls_y;
+  float wall_ratio;  ///< friction and cohesion of the side walls over the soil's, contact friction only
+  Periods periods;
+};
+
+/// The particles that have moved away from their place in the lists, and how fast particles are.
+struct Moved {
+  std::int32_t* particle;  ///< room for all
+  std::size_t count = 0;
+  bool finite = true;         ///< false when a position is no longer a number
+  float fastest_squared = 0;  ///< (m/s)^2, of all particles
+};
+
+/// Steps the particles of arrays.groups[first..last-1]: their neighbours, weight, walls and others' forces, then
+/// velocity, then position. May be called in the tick; parts of one bed may be stepped by several threads at once.
+void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+                           std::size_t first, std::size_t last, Moved& moved) noexcept;
+
+/// The same with contact friction, whose memory moves on by the step. Each pair is worked out from both sides, with
+/// exactly opposite results.
+void stepWithContactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box,
+                             const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;
+
+/// What a particle feels of its neighbours.
+struct ContactSum {
+  float force_x_n = 0, force_y_n = 0, force_z_n = 0;
+  float repulsion_n = 0;  ///< sum of the magnitudes of repulsive contact forces, for friction (paper 14); with contact
+                          ///< friction of what limits friction
+  float contacts = 0;     ///< p, number of macroparticles that overlap this one, for damping (paper 20)
+};
+
+/// Contacts alone, of groups first..last-1, 16 sums each.
+void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
+                 std::size_t last, ContactSum* sums) noexcept;
+void sumFrictionalContacts(const GradedLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,
+                           std::size_t first, std::size_t last, ContactSum* sums) noexcept;
+
+}  // namespace haptolith

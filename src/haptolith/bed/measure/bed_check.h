@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "haptolith/bed/bed_state.h"
+
+namespace haptolith {
+
+/// What the step relies on and a state does not keep, in one sentence; empty when it keeps all. Checked are: finite
+/// positions and velocities; ghosts behind the particles and in the lists; contact lists that are symmetric, name each
+/// neighbour once and count their rows; slips that are opposite from both sides of a contact between groups that are
+/// both awake; sleeping groups that stand still. Takes as long as some steps; not for the tick.
+[[nodiscard]] std::string inconsistency(const BedState& state);
+
+}  // namespace haptolith

@@ -1,0 +1,260 @@
+#include "haptolith/core/process/child_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <thread>
+
+#include "haptolith/core/error.h"
+#include "haptolith/core/process/stop_asked.h"
+
+namespace haptolith {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Above the numbers under which children find what they are given, so that giving one never overwrites another.
+constexpr int kLowestNumber = 16;
+
+Descriptor kept(int number) {
+  const Descriptor low(number);
+  const int moved = fcntl(number, F_DUPFD_CLOEXEC, kLowestNumber);
+  if (moved < 0) {
+    throw Failure(fmt::format("cannot keep a file open: {}", std::strerror(errno)));
+  }
+  return Descriptor(moved);
+}
+
+/// Waits until `descriptor` is ready for `event`.
+void waitFor(const Descriptor& descriptor, short event, const Deadline& deadline) {
+  constexpr int kLook_ms = 100;
+  pollfd asked{descriptor.number(), event, 0};
+  while (poll(&asked, 1, kLook_ms) <= 0) {  // a signal interrupts it
+    if (deadline.stopped && deadline.stopped()) {
+      throw Failure("interrupted");
+    }
+    if (std::chrono::steady_clock::now() > deadline.until) {
+      throw Failure("no answer in time");
+    }
+  }
+}
+
+}  // namespace
+
+void Descriptor::close() noexcept {
+  if (number_ >= 0) {
+    ::close(std::exchange(number_, -1));
+  }
+}
+
+Pipe::Pipe() {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw Failure(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+  }
+  to_read = kept(ends[0]);
+  to_write = kept(ends[1]);
+}
+
+bool writeAll(const Descriptor& to, std::string_view bytes, const Deadline& deadline) {
+  // What a pipe that is ready always takes: a larger piece could wait for a reader that has hung up or hangs.
+  constexpr std::size_t kPiece = 4096;
+  while (!bytes.empty()) {
+    waitFor(to, POLLOUT, deadline);
+    const ssize_t written = ::write(to.number(), bytes.data(), std::min(bytes.size(), kPiece));
+    if (written < 0 && errno != EINTR) {
+      return false;
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
+  }
+  return true;
+}
+
+bool readSome(const Descriptor& from, std::string& bytes, const Deadline& deadline) {
+  std::array<char, 65536> piece;
+  ssize_t size = -1;
+  do {
+    waitFor(from, POLLIN, deadline);
+    size = ::read(from.number(), piece.data(), piece.size());
+  } while (size < 0 && errno == EINTR);
+  bytes.append(piece.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  return size > 0;
+}
+
+Descriptor temporaryFile(std::string_view content) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+  if (file == nullptr) {
+    throw Failure(fmt::format("cannot create a temporary file: {}", std::strerror(errno)));
+  }
+  const bool written = content.empty() || std::fwrite(content.data(), 1, content.size(), file.get()) == content.size();
+  if (!written || std::fflush(file.get()) != 0) {
+    throw Failure(fmt::format("cannot write a temporary file: {}", std::strerror(errno)));
+  }
+  std::rewind(file.get());
+  return kept(dup(fileno(file.get())));
+}
+
+std::string contentOf(const Descriptor& file) {
+  std::string content;
+  std::array<char, 4096> piece;
+  for (ssize_t size = 0;
+       (size = pread(file.number(), piece.data(), piece.size(), static_cast<off_t>(content.size()))) > 0;) {
+    content.append(piece.data(), static_cast<std::size_t>(size));
+  }
+  return content;
+}
+
+namespace {
+
+/// What execvpe() takes of a list of texts.
+std::vector<char*> pointersTo(const std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  pointers.reserve(texts.size() + 1);
+  for (const std::string& text : texts) {
+    pointers.push_back(const_cast<char*>(text.c_str()));
+  }
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// All that the child needs, made beforehand: between fork and exec nothing may be allocated.
+struct Start {
+  std::vector<char*> arguments, environment;
+  const std::vector<ChildProcess::Given>& given;
+  pid_t parent;
+  rlim_t most_cpu_s;
+  int error_to;  ///< where to tell why it could not be started
+};
+
+/// Becomes the program. Only calls that are safe after a fork of a program with threads.
+[[noreturn]] void become(const Start& start) noexcept {
+  // A group of its own, so that it can be killed with its own children and the terminal's Ctrl-C passes it by.
+  setpgid(0, 0);
+  // It ends with the thread that has started it, however that ends; who has gone already sends no signal any more.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != start.parent) {
+    _exit(EXIT_FAILURE);
+  }
+  // What escapes all that, children of the child for example, does not spin for ever either.
+  const rlimit cpu{start.most_cpu_s, start.most_cpu_s};
+  setrlimit(RLIMIT_CPU, &cpu);
+  // Signals as a program expects them at its start.
+  struct sigaction usual {};
+  usual.sa_handler = SIG_DFL;
+  for (const int signal : {SIGPIPE, SIGINT, SIGTERM}) {
+    sigaction(signal, &usual, nullptr);
+  }
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  for (const ChildProcess::Given& one : start.given) {
+    dup2(one.ours.number(), one.number);
+  }
+  // Every other descriptor is closed by the exec.
+  close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);
+  for (const ChildProcess::Given& one : start.given) {
+    if (one.number > STDERR_FILENO) {
+      fcntl(one.number, F_SETFD, 0);
+    }
+  }
+  execvpe(start.arguments[0], start.arguments.data(), start.environment.data());
+  const int error = errno;
+  [[maybe_unused]] const ssize_t told = ::write(start.error_to, &error, sizeof(error));
+  _exit(EXIT_FAILURE);
+}
+
+}  // namespace
+
+ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& given) {
+  Start start{.arguments = pointersTo(command.arguments),
+              .environment = pointersTo(command.environment),
+              .given = given,
+              .parent = getpid(),
+              .most_cpu_s = static_cast<rlim_t>(command.most_cpu.count()),
+              .error_to = -1};
+  start.environment.pop_back();
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    // A name that stands there twice means the first to some programs and the last to others, such as shells.
+    const std::string_view ours(*variable);
+    const std::string_view name = ours.substr(0, ours.find('=') + 1);
+    const auto has_name = [name](const std::string& variable_set) { return variable_set.starts_with(name); };
+    if (std::ranges::none_of(command.environment, has_name)) {
+      start.environment.push_back(*variable);
+    }
+  }
+  start.environment.push_back(nullptr);
+  Pipe failed;
+  start.error_to = failed.to_write.number();
+  process_ = fork();
+  if (process_ == 0) {
+    become(start);
+  }
+  int error = process_ < 0 ? errno : 0;
+  failed.to_write.close();
+  // Says nothing when the program has begun, for then the other end is closed.
+  if (process_ > 0 && TEMP_FAILURE_RETRY(::read(failed.to_read.number(), &error, sizeof(error))) > 0) {
+    waitpid(process_, nullptr, 0);
+  }
+  if (error == ENOENT) {
+    throw Failure(fmt::format("{} is not installed: apt install {}", command.arguments[0], command.package));
+  }
+  if (error != 0) {
+    throw Failure(fmt::format("cannot start {}: {}", command.arguments[0], std::strerror(error)));
+  }
+  name_ = command.arguments[0];
+}
+
+ChildProcess::~ChildProcess() {
+  ::kill(-process_, SIGKILL);
+  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+bool ChildProcess::wait(std::chrono::milliseconds timeout) {
+  constexpr std::chrono::milliseconds kAfterStop = 30s;
+  const bool stopped_before = stopAsked();
+  const auto until = std::chrono::steady_clock::now() + (stopped_before ? std::min(timeout, kAfterStop) : timeout);
+  while (!endsWithin(100ms)) {
+    if (stopAsked() && !stopped_before) {
+      throw Failure("interrupted");
+    }
+    if (std::chrono::steady_clock::now() > until) {
+      throw Failure(fmt::format("{} has not ended in time, and is ended", name_));
+    }
+  }
+  return succeeded_;
+}
+
+bool ChildProcess::endsWithin(std::chrono::milliseconds timeout) {
+  const auto until = std::chrono::steady_clock::now() + timeout;
+  for (look(WNOHANG); running_ && std::chrono::steady_clock::now() < until; look(WNOHANG)) {
+    std::this_thread::sleep_for(10ms);
+  }
+  return !running_;
+}
+
+/// Sees whether it has ended, without letting go of its number (WNOWAIT): until the destructor no other group of
+/// processes can have that, and what the program has left running can still be killed by it.
+void ChildProcess::look(int options) {
+  siginfo_t ended{};
+  if (waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOWAIT | options) == 0 && ended.si_pid != 0) {
+    running_ = false;
+    succeeded_ = ended.si_code == CLD_EXITED && ended.si_status == 0;
+  }
+}
+
+}  // namespace haptolith

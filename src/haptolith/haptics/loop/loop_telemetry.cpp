@@ -1,0 +1,122 @@
+#include "haptolith/haptics/loop/loop_telemetry.h"
+
+#include <algorithm>
+
+namespace haptolith {
+
+namespace {
+
+/// Room for 8 s at 1 kHz while the thread that writes them is held up.
+constexpr std::size_t kRecordsInFlight = 8192;
+
+/// Ticks between two snapshots: 62 a second at 1 kHz.
+constexpr std::uint64_t kTicksPerSnapshot = 16;
+
+/// A bed as small as this is copied in one tick; of a larger one each tick copies a part.
+constexpr std::size_t kCopiedAtOnce = 4096;
+
+/// 4 us of hashing.
+constexpr std::size_t kHashedAtOnce = 1024;
+
+}  // namespace
+
+LoopTelemetry::LoopTelemetry(double tick_s, bool keep_records)
+    : tick_s_(tick_s), keep_records_(keep_records), records_(kRecordsInFlight) {}
+
+std::size_t LoopTelemetry::hashedParts(const Bed& bed) noexcept {
+  return (bed.particles() + kHashedAtOnce - 1) / kHashedAtOnce;
+}
+
+void LoopTelemetry::record(const LoopClock& clock, const Scene& scene) noexcept {
+  TickRecord& now = draft();
+  statistics_.add(clock.tickUs(), clock.miss(), now.felt.wrench);
+  longest_tick_us_ = std::max(longest_tick_us_, clock.tickUs());
+  now.time_s = time();
+  now.tick_us = clock.tickUs();
+  now.late_us = clock.lateUs();
+  now.flags |= clock.late() ? kTickLate : 0U;
+  now.soil = scene.felt().wrench;
+  if (!keep_records_) {
+    return;
+  }
+  // A bed that has failed has been stepped in part only.
+  const std::size_t parts = hashedParts(scene.bed());
+  const bool hash = hashes_ && (now.flags & kTickFailed) == 0;
+  now.state_hash = hash ? scene.bed().hash(statistics_.ticks() % parts, parts) : 0;
+  if (!records_.push(now)) {
+    lost_records_.fetch_add(1, std::memory_order_relaxed);
+  }
+}
+
+void LoopTelemetry::report(SafetyTrip trip, LoopEnd end) noexcept {
+  TripReport& report = trip_reports_.draft();
+  const std::uint64_t ticks = statistics_.ticks();
+  report.trip = trip;
+  report.end = end;
+  report.time_s = time();
+  report.count = std::min<std::uint64_t>(ticks, TripReport::kTicks);
+  for (std::size_t i = 0; i < report.count; ++i) {
+    report.ticks[i] = last_[(ticks + 1 - report.count + i) % last_.size()];
+  }
+  trip_reports_.publish();
+}
+
+/// @return the snapshot when this was its last part.
+SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
+  // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
+  const std::uint64_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
+  const bool complete = part + 1 == kTicksPerSnapshot;
+  const Bed& bed = shown.scene.bed();
+  const std::size_t groups = bed.state().rested.size();
+  const bool at_once = bed.particles() <= kCopiedAtOnce;
+  if (at_once && !complete) {
+    return nullptr;
+  }
+  SceneSnapshot& snapshot = shown.snapshots.draft();
+  copyGroups(snapshot, shown.scene, at_once ? 0 : groups * part / kTicksPerSnapshot,
+             groups * (part + 1) / kTicksPerSnapshot);
+  return complete ? &snapshot : nullptr;
+}
+
+void LoopTelemetry::copyGroups(SceneSnapshot& snapshot, const Scene& scene, std::size_t first_group,
+                               std::size_t last_group) noexcept {
+  const Bed& bed = scene.bed();
+  const std::size_t first = first_group * kGroup;
+  const std::size_t last = std::min(last_group * kGroup, bed.particles());
+  std::copy_n(bed.state().position.data() + first, last - first, snapshot.position.data() + first);
+  for (std::size_t group = first_group; group < last_group; ++group) {
+    snapshot.asleep[group] = bed.state().asleep(group) ? 1 : 0;
+  }
+  if (last_group == bed.state().rested.size()) {  // few: all with the last part
+    for (std::size_t stone = 0; stone < snapshot.stones.size(); ++stone) {
+      snapshot.stones[stone] = bed.stones().pose(stone);
+    }
+  }
+  snapshot.largest_speed_m_s = std::max(first == 0 ? 0 : snapshot.largest_speed_m_s, bed.largestSpeed(first, last));
+  snapshot.awake = bed.awake();
+  snapshot.opening_m = scene.opening();
+}
+
+void LoopTelemetry::tell(SceneSnapshot& snapshot, const LoopClock& clock, std::uint64_t ticks) noexcept {
+  snapshot.ticks = ticks;
+  snapshot.time_s = static_cast<double>(snapshot.ticks) * tick_s_;
+  snapshot.deadline_misses = statistics_.deadlineMisses();
+  snapshot.misses_too_long = statistics_.misses(Miss::kTooLong);
+  snapshot.misses_woken_late = statistics_.misses(Miss::kWokenLate);
+  snapshot.misses_preempted = statistics_.misses(Miss::kPreempted);
+  snapshot.success_rate = statistics_.successRate();
+  snapshot.tick_us_p50 = statistics_.tickUs().percentile(0.5);
+  snapshot.tick_us_p99 = statistics_.tickUs().percentile(0.99);
+  snapshot.tick_us_max = statistics_.tickUs().max();
+  snapshot.tick_us_lately = longest_tick_us_;
+  snapshot.paused = clock.paused();
+  if (!clock.standsStill()) {
+    longest_tick_us_ = 0;
+  }
+}
+
+void LoopTelemetry::takeRecords(std::vector<TickRecord>& records) {
+  records_.consume_all([&records](const TickRecord& record) { records.push_back(record); });
+}
+
+}  // namespace haptolith

@@ -1,0 +1,22 @@
+#include "haptolith/haptics/loop/shown_scene.h"
+
+namespace haptolith {
+
+namespace {
+
+SceneSnapshot firstSnapshot(const Scene& scene) {
+  SceneSnapshot snapshot;
+  const Bed& bed = scene.bed();
+  snapshot.position.assign(bed.state().position.begin(),
+                           bed.state().position.begin() + static_cast<std::ptrdiff_t>(bed.particles()));
+  snapshot.stones = bed.stones().poses();
+  snapshot.asleep.resize(bed.state().rested.size());
+  snapshot.awake = bed.awake();
+  return snapshot;
+}
+
+}  // namespace
+
+ShownScene::ShownScene(Scene& shown) : scene(shown), snapshots(firstSnapshot(shown)) {}
+
+}  // namespace haptolith

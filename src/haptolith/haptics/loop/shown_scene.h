@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "haptolith/core/process/latest_value.h"
+#include "haptolith/core/vec.h"
+#include "haptolith/haptics/safety/safety_layer.h"
+#include "haptolith/scene/scene.h"
+
+namespace haptolith {
+
+/// A picture of the scene for viewers, about 60 times a second. Of a large bed each tick copies a part, so
+/// that no tick is long: its first particles are then 15 ticks older than its last.
+struct SceneSnapshot {
+  double time_s = 0;
+  Pose scene_T_tool;
+  double opening_m = 0;  ///< between the tool's jaws
+  // Of the last tick, also while time stands still and the device is sent zero.
+  Wrench soil_wrench;                ///< of the soil on the tool, about the tool's origin, scene frame, unfiltered
+  Wrench device_wrench;              ///< sent to the device, about the handle's origin, device frame
+  Wrench device_wrench_in_scene;     ///< the same turned into the scene's axes, as large as at the device
+  std::vector<Float4> position;      ///< m; one per particle
+  std::vector<Pose> stones;          ///< scene_T_stone of each
+  std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness
+  std::uint64_t ticks = 0, deadline_misses = 0;
+  std::uint64_t misses_too_long = 0, misses_woken_late = 0, misses_preempted = 0;  ///< add up to deadline_misses
+  double success_rate = 1, tick_us_p50 = 0, tick_us_p99 = 0, tick_us_max = 0, largest_speed_m_s = 0;
+  double tick_us_lately = 0;  ///< the longest tick since the snapshot before
+  std::size_t awake = 0;      ///< particles that are worked on
+  bool paused = false;
+  SafetyTrip trip = SafetyTrip::kNone;  ///< why the hand feels nothing just now
+  std::uint32_t trips = 0;              ///< so far
+};
+
+/// A scene as a loop shows it: with the place where its pictures are handed over.
+struct ShownScene {
+  explicit ShownScene(Scene& shown);
+
+  Scene& scene;
+  LatestValue<SceneSnapshot> snapshots;
+};
+
+}  // namespace haptolith

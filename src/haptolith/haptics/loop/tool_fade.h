@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+
+#include "haptolith/core/ramp.h"
+#include "haptolith/haptics/loop/loop_request.h"
+
+namespace haptolith {
+
+/// The tool fades out of the soil when it is not to be felt, when the hand has been let go, and before another tool or
+/// bed takes its place; and into it again: no hand feels a jump, and soil that finds itself inside the tool is moved
+/// out of its way. Functions may be called in the tick.
+class ToolFade {
+ public:
+  /// @param faded_in  else it begins outside the soil.
+  ToolFade(double tick_s, bool faded_in) noexcept : tick_s_(tick_s), ramp_(faded_in ? 1 : 0) {}
+
+  /// The tool is out of the soil, and has to be placed where the hand is.
+  void begin() noexcept;
+  /// Whether the tool is to be felt at all.
+  void touch(bool on) noexcept { touches_ = on; }
+  /// Is given back by step() when the tool has faded. One at a time: not while waits().
+  void exchange(const request::Exchange& next) noexcept { waiting_ = next; }
+  [[nodiscard]] bool waits() const noexcept { return waiting_.has_value(); }
+
+  /// One tick. @param speed  of time. @return what is to be exchanged now, once.
+  std::optional<request::Exchange> step(bool hand_feels, double speed) noexcept;
+
+  /// How much of the tool there is, for Scene::setToolFade().
+  [[nodiscard]] double stiffnessShare() const noexcept { return ramp_.share() * ramp_.share(); }
+  /// Whether the tool has to be placed where the hand is, instead of moved there through the soil: true once after
+  /// begin(), and at first.
+  [[nodiscard]] bool takePlacing() noexcept;
+
+ private:
+  double tick_s_;
+  Ramp ramp_;
+  bool touches_ = true;
+  bool placed_ = false;
+  std::optional<request::Exchange> waiting_;
+};
+
+}  // namespace haptolith

@@ -1,0 +1,253 @@
+#include "haptolith/identify/training/training_file.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <span>
+
+#include "haptolith/bed/bed_parameters.h"
+#include "haptolith/core/error.h"
+#include "haptolith/core/files/input_file.h"
+#include "haptolith/core/plain_text.h"
+#include "haptolith/identify/training/built_in_trainings.h"
+
+namespace haptolith {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;
+constexpr std::size_t kMostRuns = 10000, kMostWindows = 10000;
+
+/// One number of a soil sample, as the file calls it.
+struct SampleKey {
+  const char* name;
+  double& (*of)(SoilSample&);
+  Range valid;
+};
+
+constexpr std::array kSampleKeys{
+    SampleKey{"radius_m", [](SoilSample& s) -> double& { return s.soil.radius_m; }, SoilRanges::radius_m},
+    SampleKey{"stiffness_n_m", [](SoilSample& s) -> double& { return s.soil.stiffness_n_m; },
+              SoilRanges::stiffness_n_m},
+    SampleKey{"gamma_nm", [](SoilSample& s) -> double& { return s.soil.gamma_nm; }, SoilRanges::gamma_nm},
+    SampleKey{"damping_ratio", [](SoilSample& s) -> double& { return s.soil.damping_ratio; },
+              SoilRanges::damping_ratio},
+    SampleKey{"rho0_kg_m3", [](SoilSample& s) -> double& { return s.soil.rho0_kg_m3; }, SoilRanges::rho0_kg_m3},
+    SampleKey{"contact_friction", [](SoilSample& s) -> double& { return s.soil.contact_friction; },
+              SoilRanges::contact_friction},
+    SampleKey{"contact_cohesion_n", [](SoilSample& s) -> double& { return s.soil.contact_cohesion_n; },
+              SoilRanges::contact_cohesion_n},
+    SampleKey{"size_spread", [](SoilSample& s) -> double& { return s.soil.size_spread; }, SoilRanges::size_spread},
+    SampleKey{"tangential_ratio", [](SoilSample& s) -> double& { return s.soil.tangential_ratio; },
+              SoilRanges::tangential_ratio},
+    SampleKey{"cohesion_range_ratio", [](SoilSample& s) -> double& { return s.soil.cohesion_range_ratio; },
+              SoilRanges::cohesion_range_ratio},
+    SampleKey{"tool_friction", [](SoilSample& s) -> double& { return s.tool_friction; }, ToolRanges::friction},
+    SampleKey{"tool_adhesion_n", [](SoilSample& s) -> double& { return s.tool_adhesion_n; }, ToolRanges::adhesion_n},
+    SampleKey{"surface_error_m", [](SoilSample& s) -> double& { return s.surface_error_m; }, {-1, 1}},
+    SampleKey{"stone_size_m", [](SoilSample& s) -> double& { return s.stone_size_m; }, {0, 1}},
+};
+
+/// What a number is worth in a file that others read: six digits.
+double rounded(double value) {
+  return std::stod(fmt::format("{:.6g}", value));
+}
+
+double force(double value_n) {
+  return std::stod(fmt::format("{:.4g}", std::abs(value_n) < 5e-4 ? 0 : value_n));
+}
+
+// --- reading --------------------------------------------------------------------------------------------------------
+
+/// A value in the file, and where it is.
+class Node {
+ public:
+  Node(const Json& json, std::string place) : json_(json), place_(std::move(place)) {}
+
+  [[nodiscard]] Node at(const char* key) const {
+    const auto found = json_.is_object() ? json_.find(key) : json_.end();
+    if (!json_.is_object() || found == json_.end()) {
+      throw InvalidParameter(fmt::format("{}: {}", place_, key), "missing", "there");
+    }
+    return {*found, fmt::format("{}: {}", place_, key)};
+  }
+  [[nodiscard]] bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
+
+  [[nodiscard]] double number(const Range& valid) const {
+    if (!json_.is_number()) {
+      throw InvalidParameter(place_, inQuotes(json_.dump()), "a number");
+    }
+    requireInRange(place_, json_.get<double>(), valid);
+    return json_.get<double>();
+  }
+
+  [[nodiscard]] std::vector<Node> list(std::size_t least, std::size_t most) const {
+    if (!json_.is_array() || json_.size() < least || json_.size() > most) {
+      throw InvalidParameter(
+          place_, json_.is_array() ? fmt::format("of {}", json_.size()) : inQuotes(json_.dump()),
+          least == most ? fmt::format("a list of {}", least) : fmt::format("a list of {} to {}", least, most));
+    }
+    std::vector<Node> nodes;
+    for (std::size_t i = 0; i < json_.size(); ++i) {
+      nodes.emplace_back(json_[i], fmt::format("{}[{}]", place_, i));
+    }
+    return nodes;
+  }
+
+  template <std::size_t kCount>
+  [[nodiscard]] std::array<double, kCount> numbers(const Range& valid) const {
+    std::array<double, kCount> values{};
+    const std::vector<Node> nodes = list(kCount, kCount);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      values[i] = nodes[i].number(valid);
+    }
+    return values;
+  }
+  [[nodiscard]] const std::string& place() const { return place_; }
+
+ private:
+  const Json& json_;
+  std::string place_;
+};
+
+ShearStrength strengthFrom(const Node& node) {
+  const auto [angle_deg, cohesion_pa] = node.numbers<2>({-1e6, 1e6});
+  requireInRange(node.place(), angle_deg, {0, 89});
+  return {angle_deg, cohesion_pa};
+}
+
+TrainingRun runFrom(const Node& node, std::size_t windows) {
+  TrainingRun run;
+  run.number = static_cast<std::uint64_t>(node.at("number").number(BedRanges::seed));
+  run.sample.soil = lunarContacts();
+  for (const SampleKey& key : kSampleKeys) {
+    key.of(run.sample) = node.at(key.name).number(key.valid);
+  }
+  run.sample.soil.rho_max_kg_m3 *= run.sample.soil.rho0_kg_m3 / lunarContacts().rho0_kg_m3;
+  if (node.has("residual")) {
+    run.strength = MeasuredStrength{strengthFrom(node.at("residual")), strengthFrom(node.at("peak"))};
+  }
+  for (const Node& window : node.at("forces_n").list(windows, windows)) {
+    const auto [x, y, z] = window.numbers<3>({-1e6, 1e6});
+    run.forces.emplace_back(x, y, z);
+  }
+  return run;
+}
+
+std::vector<TimedPose> posesFrom(const Node& node) {
+  std::vector<TimedPose> poses;
+  for (const Node& row : node.list(2, kMostWindows)) {
+    const auto v = row.numbers<8>({-1e6, 1e6});
+    const Quat turn(v[4], v[5], v[6], v[7]);
+    requireInRange(row.place() + ": length of qw,qx,qy,qz", turn.norm(), kUnitNorm);
+    poses.push_back({v[0], {{v[1], v[2], v[3]}, turn.normalized()}});
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::string trainingText(const Training& training) {
+  Json poses = Json::array();
+  for (const TimedPose& at : training.movement.poses()) {
+    const Vec3& p = at.pose.position_m;
+    const Quat& q = at.pose.orientation;
+    Json row = Json::array();
+    for (const double value : {at.time_s, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()}) {
+      row.push_back(rounded(value));
+    }
+    poses.push_back(row);
+  }
+  // One line for each run: what changes is then seen.
+  std::string text = fmt::format(
+      "{{\"haptolith_training\": {},\n\"tool\": {},\n\"gravity_m_s2\": {},\n\"window_s\": {},\n"
+      "{}\"poses\": {},\n\"runs\": [",
+      kVersion, Json(training.tool).dump(), training.gravity_m_s2, kForceWindow_s,
+      training.temper ? fmt::format("\"temper\": {:.4g},\n", *training.temper) : "", poses.dump());
+  const char* separator = "\n";
+  for (const TrainingRun& run : training.runs) {
+    Json row{{"number", run.number}};
+    SoilSample sample = run.sample;
+    for (const SampleKey& key : kSampleKeys) {
+      row[key.name] = rounded(key.of(sample));
+    }
+    if (run.strength) {
+      const auto& [residual, peak] = *run.strength;
+      row["residual"] = {rounded(residual.angle_deg), rounded(residual.cohesion_pa)};
+      row["peak"] = {rounded(peak.angle_deg), rounded(peak.cohesion_pa)};
+    }
+    Json& forces = row["forces_n"] = Json::array();
+    for (const Vec3& f : run.forces) {
+      forces.push_back({force(f.x()), force(f.y()), force(f.z())});
+    }
+    text += separator + row.dump();
+    separator = ",\n";
+  }
+  return text + "\n]}\n";
+}
+
+Training parseTraining(std::string_view text, std::string_view name) {
+  // What lies deeper than any of its numbers is not kept.
+  constexpr int kDeepest = 6;
+  const Json json = Json::parse(
+      text, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; }, false);
+  if (json.is_discarded()) {
+    throw InvalidParameter(std::string(name), "no JSON", "a training that `haptolith identify train` has written");
+  }
+  const Node file(json, std::string(name));
+  (void)file.at("haptolith_training").number({kVersion, kVersion});
+  (void)file.at("window_s").number({kForceWindow_s, kForceWindow_s});
+  Training training{ToolMovement(posesFrom(file.at("poses"))), {}, 0, {}, {}};
+  training.gravity_m_s2 = file.at("gravity_m_s2").number(BedRanges::gravity_m_s2);
+  requireInRange(fmt::format("{}: poses: duration_s", name), training.movement.duration(),
+                 {kForceWindow_s, kForceWindow_s * kMostWindows});
+  const auto windows = static_cast<std::size_t>(training.movement.duration() / kForceWindow_s);
+  if (file.has("temper")) {
+    training.temper = file.at("temper").number({0.1, 1000});
+  }
+  training.tool = json.contains("tool") && json["tool"].is_string() ? json["tool"].get<std::string>() : "";
+  std::map<std::uint64_t, std::string> places;  // of the runs by their numbers
+  for (const Node& node : file.at("runs").list(0, kMostRuns)) {
+    const TrainingRun run = runFrom(node, windows);
+    if (const auto [same, is_new] = places.emplace(run.number, node.place()); !is_new) {
+      throw InvalidParameter(fmt::format("{}: number", node.place()),
+                             fmt::format("{}, as of {}", run.number, same->second),
+                             "another soil in each run: one that stands there twice would count twice");
+    }
+    const auto same = std::ranges::find(training.runs, run.forces, &TrainingRun::forces);
+    if (same != training.runs.end() && !run.forces.empty()) {
+      throw InvalidParameter(fmt::format("{}: forces_n", node.place()),
+                             fmt::format("those of run {} again", same->number),
+                             "another soil in each run: one that stands there twice would count twice");
+    }
+    training.runs.push_back(run);
+  }
+  return training;
+}
+
+Training readTraining(const std::filesystem::path& path) {
+  std::ifstream file = openInput(path, kMostBytes);
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  return parseTraining(text, path.string());
+}
+
+const Training& probeTraining() {
+  static const Training kTraining = [] {
+    const std::span<const BuiltInTraining> files = builtInTrainings();
+    if (files.empty()) {
+      throw Failure("this program was built without a training");
+    }
+    return parseTraining(files.front().text, files.front().name);
+  }();
+  return kTraining;
+}
+
+}  // namespace haptolith

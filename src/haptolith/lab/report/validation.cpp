@@ -1,0 +1,341 @@
+#include "haptolith/lab/report/validation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "haptolith/figure/figure.h"
+
+namespace haptolith {
+
+namespace {
+
+ClaimValue valueOf(const std::vector<double>& numbers) {
+  ClaimValue value;
+  for (const double number : numbers) {
+    value.mean += number / static_cast<double>(numbers.size());
+  }
+  if (numbers.size() > 1) {
+    double squares = 0;
+    for (const double number : numbers) {
+      squares += (number - value.mean) * (number - value.mean);
+    }
+    value.deviation = std::sqrt(squares / static_cast<double>(numbers.size() - 1));
+  }
+  return value;
+}
+
+/// Where `value` stands to `accepted`, whose width says how far outside is only a little.
+ClaimLight lightOf(const ClaimValue& value, const Range& accepted, const Range& wider) {
+  if (accepted.contains(value.mean)) {
+    return ClaimLight::kGreen;
+  }
+  const double outside = std::max(accepted.lowest - value.mean, value.mean - accepted.highest);
+  const bool by_scatter = value.deviation && outside <= *value.deviation;
+  return by_scatter || wider.contains(value.mean) ? ClaimLight::kYellow : ClaimLight::kRed;
+}
+
+/// The tolerance once more on either side; of ratios it is a factor.
+Range widened(const Range& accepted) {
+  const double half = (accepted.highest - accepted.lowest) / 2;
+  return {accepted.lowest - half, accepted.highest + half};
+}
+
+}  // namespace
+
+void validate(const Claim& claim) {
+  const int tolerances = static_cast<int>(claim.factor.has_value()) + static_cast<int>(claim.within.has_value()) +
+                         static_cast<int>(claim.accepted.has_value());
+  if (tolerances != 1) {
+    throw InvalidParameter("factor, within, accepted", fmt::format("{} of them", tolerances), "exactly one of them");
+  }
+  if (claim.factor) {
+    requireInRange("factor", *claim.factor, {1, 100});
+  }
+  if (claim.within) {
+    requireInRange("within", *claim.within, {0, 1});
+  }
+  if (!claim.accepted && claim.expected && *claim.expected == 0) {
+    throw InvalidParameter("expected", "0", "a number that something can be a multiple of, or accepted instead");
+  }
+}
+
+ClaimOutcome judge(const Claim& claim, const std::vector<ClaimSpecimen>& specimens) {
+  ClaimOutcome outcome;
+  std::vector<double> ours;
+  std::vector<double> others;
+  std::vector<double> ratios;
+  for (const ClaimSpecimen& specimen : specimens) {
+    const std::optional<double> other = claim.expected ? claim.expected : specimen.other;
+    const bool has_ratio = specimen.ours && other && *other != 0;
+    if (!specimen.ours || (!claim.accepted && !has_ratio)) {
+      outcome.why_not = outcome.why_not.empty() ? specimen.why_not : outcome.why_not;
+      continue;
+    }
+    ours.push_back(*specimen.ours);
+    if (other) {
+      others.push_back(*other);
+    }
+    if (has_ratio) {
+      ratios.push_back(*specimen.ours / *other);
+    }
+  }
+  outcome.specimens = ours.size();
+  if (ours.empty()) {
+    return outcome;
+  }
+  outcome.ours = valueOf(ours);
+  if (others.size() == ours.size()) {
+    outcome.other = valueOf(others);
+  }
+  if (ratios.size() == ours.size()) {
+    outcome.ratio = valueOf(ratios);
+  }
+  Range accepted;
+  Range wider;
+  if (claim.accepted) {
+    accepted = *claim.accepted;
+    wider = widened(accepted);
+    if (outcome.ratio && outcome.other->mean > 0 && !others.empty()) {
+      outcome.ratio_range = Range{accepted.lowest / outcome.other->mean, accepted.highest / outcome.other->mean};
+    }
+  } else if (claim.factor) {
+    const double f = *claim.factor;
+    accepted = {1 / f, f};
+    wider = {1 / (f * f), f * f};
+    outcome.ratio_range = accepted;
+  } else {
+    accepted = {1 - *claim.within, 1 + *claim.within};
+    wider = {accepted.lowest * accepted.lowest, accepted.highest * accepted.highest};
+    outcome.ratio_range = accepted;
+  }
+  const ClaimValue& judged = claim.accepted ? *outcome.ours : *outcome.ratio;
+  outcome.light = outcome.specimens < specimens.size() ? ClaimLight::kRed : lightOf(judged, accepted, wider);
+  return outcome;
+}
+
+namespace {
+
+std::string_view markOf(ClaimLight light) {
+  switch (light) {
+    case ClaimLight::kGreen: return "🟢 holds";
+    case ClaimLight::kYellow: return "🟡 nearly";
+    case ClaimLight::kRed: return "🔴 fails";
+  }
+  return "";
+}
+
+/// Three digits that mean something, without an exponent where people write none.
+std::string digits(double number) {
+  const double size = std::abs(number);
+  if (size == 0) {
+    return "0";
+  }
+  if (size >= 1e6 || size < 1e-3) {
+    return fmt::format("{:.2e}", number);
+  }
+  const std::string rounded = fmt::format("{:.2e}", size);  // 0.9996 is 1.00
+  const int before = std::stoi(rounded.substr(rounded.find('e') + 1)) + 1;
+  return fmt::format("{:.{}f}", number, std::clamp(3 - before, 0, 5));
+}
+
+std::string text(const ClaimValue& value, std::string_view unit) {
+  const std::string behind = unit.empty() ? "" : fmt::format(" {}", unit);
+  constexpr double kRounding = 1e-9;  // what a theory without scatter differs by from one specimen to the next
+  return value.deviation.value_or(0) > kRounding * std::abs(value.mean)
+             ? fmt::format("{} ± {}{}", digits(value.mean), digits(*value.deviation), behind)
+             : digits(value.mean) + behind;
+}
+
+std::string toleranceText(const Claim& claim) {
+  if (claim.factor) {
+    return fmt::format("factor {:g}", *claim.factor);
+  }
+  if (claim.within) {
+    return fmt::format("± {:g} %", 100 * *claim.within);
+  }
+  return fmt::format("{} to {}", digits(claim.accepted->lowest), digits(claim.accepted->highest));
+}
+
+std::string referenceText(const JudgedClaim& judged) {
+  const Claim& claim = judged.claim;
+  std::string number = "-";
+  if (claim.expected) {
+    number = text({.mean = *claim.expected, .deviation = {}}, claim.unit);
+    if (claim.scatter.lowest < claim.scatter.highest) {
+      number += fmt::format(" ({} to {})", digits(claim.scatter.lowest), digits(claim.scatter.highest));
+    }
+  } else if (judged.outcome && judged.outcome->other) {
+    number = text(*judged.outcome->other, claim.unit);
+  }
+  return claim.reference.empty() ? number : fmt::format("{}: {}", number, claim.reference);
+}
+
+/// Text of one cell of a table in Markdown.
+std::string cell(std::string_view text) {
+  std::string shown;
+  for (const char letter : text) {
+    shown += letter == '|' ? "\\|" : letter == '\n' ? " " : std::string(1, letter);
+  }
+  return shown;
+}
+
+std::string rowText(const JudgedClaim& judged) {
+  const std::optional<ClaimOutcome>& outcome = judged.outcome;
+  std::string ours = "not measured yet";
+  std::string ratio = "-";
+  std::string verdict = "-";
+  std::string specimens = "-";
+  if (outcome) {
+    ours = outcome->ours ? text(*outcome->ours, judged.claim.unit) : fmt::format("none: {}", outcome->why_not);
+    ratio = outcome->ratio ? text(*outcome->ratio, "") : "-";
+    specimens = fmt::format("{}", outcome->specimens);
+    verdict = markOf(outcome->light);
+  }
+  return fmt::format("| `{}`: {} | {} | {} | {} | {} | {} | {} |\n", judged.claim.id, cell(judged.claim.claim),
+                     cell(referenceText(judged)), cell(ours), ratio, toleranceText(judged.claim), specimens, verdict);
+}
+
+std::size_t count(const std::vector<JudgedClaim>& claims, ClaimLight light) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      claims, [&](const JudgedClaim& judged) { return judged.outcome && judged.outcome->light == light; }));
+}
+
+bool hasRatio(const JudgedClaim& judged) {
+  return judged.outcome && judged.outcome->ratio && judged.outcome->ratio->mean > 0;
+}
+
+}  // namespace
+
+std::vector<std::string> groupsOf(const std::vector<Claim>& claims) {
+  std::vector<std::string> groups;
+  for (const Claim& claim : claims) {
+    if (std::ranges::find(groups, claim.group) == groups.end()) {
+      groups.push_back(claim.group);
+    }
+  }
+  return groups;
+}
+
+std::vector<std::string> figureNamesOf(const std::vector<std::string>& groups) {
+  std::vector<std::string> names;
+  for (const std::string& group : groups) {
+    std::string name = "validation-";
+    for (const char letter : group) {
+      const bool plain = (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9');
+      const bool capital = letter >= 'A' && letter <= 'Z';
+      name += plain ? letter : capital ? static_cast<char>(letter - 'A' + 'a') : '-';
+    }
+    std::string file = name + ".svg";
+    for (int number = 2; std::ranges::find(names, file) != names.end(); ++number) {
+      file = fmt::format("{}-{}.svg", name, number);
+    }
+    names.push_back(file);
+  }
+  return names;
+}
+
+std::string validationPage(const std::vector<JudgedClaim>& claims, const std::vector<std::string>& introduction,
+                           bool has_figures) {
+  std::string page = "# Validation: where this soil is soil, and where it is not\n";
+  for (const std::string& paragraph : introduction) {
+    page += "\n" + paragraph + "\n";
+  }
+  const auto measured =
+      std::ranges::count_if(claims, [](const JudgedClaim& judged) { return judged.outcome.has_value(); });
+  page += fmt::format(
+      "\nOf {} claims {} hold (🟢: within the tolerance), {} nearly do (🟡: outside by no more than the tolerance "
+      "again, "
+      "or than one\nspecimen's scatter), and {} fail (🔴).{}\n",
+      claims.size(), count(claims, ClaimLight::kGreen), count(claims, ClaimLight::kYellow),
+      count(claims, ClaimLight::kRed),
+      static_cast<std::size_t>(measured) < claims.size()
+          ? fmt::format(" {} are not measured yet.", claims.size() - static_cast<std::size_t>(measured))
+          : "");
+  std::vector<Claim> bare(claims.size());
+  std::ranges::transform(claims, bare.begin(), &JudgedClaim::claim);
+  const std::vector<std::string> groups = groupsOf(bare);
+  const std::vector<std::string> figures = figureNamesOf(groups);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const std::string& group = groups[i];
+    page += fmt::format(
+        "\n## {}\n\n| Claim | Reference | Ours | Ours over theirs | Tolerance | n | |\n|---|---|--:|--:|--:|--:|---|\n",
+        group);
+    std::string notes;
+    for (const JudgedClaim& judged : claims) {
+      if (judged.claim.group == group) {
+        page += rowText(judged);
+        notes += judged.claim.note.empty() ? "" : fmt::format("- `{}`: {}\n", judged.claim.id, judged.claim.note);
+      }
+    }
+    page += notes.empty() ? "" : "\n" + notes;
+    const bool has_figure = has_figures && std::ranges::any_of(claims, [&](const JudgedClaim& judged) {
+                              return judged.claim.group == group && hasRatio(judged);
+                            });
+    page +=
+        has_figure ? fmt::format("\n![{}: ours over theirs, with scatter and tolerance]({})\n", group, figures[i]) : "";
+  }
+  return page;
+}
+
+bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims, std::string_view group) {
+  constexpr double kLeast = 0.1;  // of the axis; what is less stands at its edge
+  constexpr double kMost = 10;
+  std::vector<const JudgedClaim*> shown;
+  for (const JudgedClaim& judged : claims) {
+    if (judged.claim.group == group && hasRatio(judged)) {
+      shown.push_back(&judged);
+    }
+  }
+  if (shown.empty()) {
+    return false;
+  }
+  const auto rows = static_cast<double>(shown.size());
+  Figure figure(file, 1000, 120 + 22 * static_cast<int>(shown.size()));
+  std::string labels;
+  std::vector<std::vector<double>> bands;
+  std::array<std::vector<std::vector<double>>, 3> points;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const double y = rows - static_cast<double>(i);
+    const ClaimOutcome& outcome = *shown[i]->outcome;
+    labels += fmt::format("{}{} {:g}", i > 0 ? ", " : "", gnuplotQuoted(shown[i]->claim.id), y);
+    const double spread = outcome.ratio->deviation.value_or(0);
+    const auto on_axis = [=](double ratio) { return std::clamp(ratio, kLeast, kMost); };
+    points[static_cast<std::size_t>(outcome.light)].push_back({on_axis(outcome.ratio->mean), y,
+                                                               on_axis(outcome.ratio->mean - spread),
+                                                               on_axis(outcome.ratio->mean + spread)});
+    if (outcome.ratio_range) {
+      bands.push_back({on_axis(outcome.ratio_range->lowest), y, on_axis(outcome.ratio_range->highest)});
+    }
+  }
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  const std::array names{"green", "yellow", "red"};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].empty()) {
+      points[i].push_back({nothing, nothing, nothing, nothing});
+    }
+    figure.data(names[i], points[i]);
+  }
+  if (bands.empty()) {
+    bands.push_back({nothing, nothing, nothing});
+  }
+  figure.data("bands", bands);
+  figure.command(
+      fmt::format("set logscale x; set xrange [{}:{}]; set yrange [0:{}]; set ytics ({}); set grid xtics; "
+                  "set key tmargin center horizontal; set xlabel 'ours over theirs'; set lmargin 34; "
+                  "set arrow from 1, graph 0 to 1, graph 1 nohead linecolor rgb '#888888'; "
+                  "set xtics (0.1, 0.2, 0.5, 1, 2, 5, 10)",
+                  kLeast, kMost, rows + 1, labels));
+  figure.command(
+      "plot $bands using 1:2:($3-$1):(0) with vectors nohead linewidth 11 linecolor rgb '#d9d9d9' title 'tolerance', "
+      "$green using 1:2:3:4 with xerrorbars pointtype 7 linewidth 1.5 linecolor rgb '#009e73' title 'holds', "
+      "$yellow using 1:2:3:4 with xerrorbars pointtype 9 linewidth 1.5 linecolor rgb '#e69f00' title 'nearly', "
+      "$red using 1:2:3:4 with xerrorbars pointtype 5 linewidth 1.5 linecolor rgb '#d55e00' title 'fails'");
+  figure.save();
+  return true;
+}
+
+}  // namespace haptolith

@@ -1,0 +1,754 @@
+#include "haptolith/study/run/conductor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "haptolith/core/error.h"
+#include "haptolith/study/protocol/groups.h"
+#include "haptolith/study/results/adaptive_results.h"
+
+namespace haptolith {
+
+namespace {
+
+constexpr double kFeedback_s = 1.5;
+
+/// A device's button that is pressed a moment late does not end what has just begun; pages have a guard of their own.
+constexpr double kShortestInterval_s = 0.3;
+
+[[noreturn]] void refuse(const char* asked, std::string_view when, std::string_view valid) {
+  throw InvalidParameter(asked, std::string(when), std::string(valid));
+}
+
+bool isTrialPhase(StudyPhase phase) {
+  return phase == StudyPhase::kPreparing || phase == StudyPhase::kInterval || phase == StudyPhase::kQuestion;
+}
+
+std::filesystem::path recordingOf(const std::filesystem::path& folder, std::string_view trial, int interval) {
+  return folder / fmt::format("{}-{}.h5", trial, interval == 1 ? "first" : "second");
+}
+
+/// `name`, or "name-2" and so on where there are recordings of that name: none is ever replaced.
+std::string freeName(const std::filesystem::path& folder, const std::string& name) {
+  const auto taken = [&folder](std::string_view trial) {
+    return std::filesystem::exists(recordingOf(folder, trial, 1)) ||
+           std::filesystem::exists(recordingOf(folder, trial, 2));
+  };
+  std::string found = name;
+  for (int next = 2; taken(found); ++next) {
+    found = fmt::format("{}-{}", name, next);
+  }
+  return found;
+}
+
+std::size_t levelOf(const StudyBlock& block, double value) {
+  const auto nearer = [value](const Stimulus& a, const Stimulus& b) {
+    return std::abs(a.value - value) < std::abs(b.value - value);
+  };
+  return static_cast<std::size_t>(std::ranges::min_element(block.levels, nearer) - block.levels.begin());
+}
+
+}  // namespace
+
+Conductor::Conductor(StudyStore& store, Rig& rig, ConductorOptions options)
+    : store_(store), rig_(rig), options_(std::move(options)) {}
+
+// --- a participant comes
+
+void Conductor::begin(std::string_view code) {
+  start(store_.addParticipant(code));
+}
+
+void Conductor::resumeParticipant(std::string_view code) {
+  const std::vector<ParticipantRow> all = store_.participants();
+  const auto wanted = [code](const ParticipantRow& row) {
+    return row.state == "running" && (code.empty() || row.code == code);
+  };
+  const auto found = std::find_if(all.rbegin(), all.rend(), wanted);
+  if (found == all.rend()) {
+    refuse("participant", code, "one who has begun and not finished");
+  }
+  for (const TrialRow& row : store_.trials(found->id)) {
+    if (row.state == TrialState::kBegun) {
+      store_.voidTrial(row.id, TrialState::kLost, "the program ended before the answer");
+    }
+  }
+  store_.addNote(found->id, "came back", "resume");
+  start(*found);
+}
+
+void Conductor::start(ParticipantRow participant) {
+  participant_ = std::move(participant);
+  stopped_.reset();
+  planSteps();
+  prepared_.reset();
+  readRows();
+  const std::set<std::string> done = store_.steps(participant_->id);
+  step_ = 0;
+  while (step_ < steps_.size() && done.contains(steps_[step_].name)) {
+    ++step_;
+  }
+  guarded([this] { assignBefore(step_); });
+  if (step_ < steps_.size() && steps_[step_].phase == StudyPhase::kPreparing && (!done.empty() || !rows_.empty())) {
+    steps_.insert(steps_.begin() + static_cast<std::ptrdiff_t>(step_), {.phase = StudyPhase::kInstructions,
+                                                                        .name = {},
+                                                                        .title = "Welcome back",
+                                                                        .text = "You continue where you were."});
+  }
+  guarded([this] { enterStep(); });
+}
+
+/// What a participant goes through; of somebody whose group is not decided yet, what comes before that.
+void Conductor::planSteps() {
+  const StudyProtocol& protocol = store_.protocol();
+  const std::optional<Assignment>& assignment = participant_->assignment;
+  if (protocol.groups.empty()) {
+    sequence_ = sequenceFor(protocol, store_.seed(), participant_->number);
+  } else if (assignment) {
+    sequence_ = sequenceIn(groupNamed(protocol, assignment->group), assignment->row, protocol, store_.seed(),
+                           participant_->number);
+  } else {
+    sequence_.clear();
+  }
+  steps_ = stepsOf(protocol, sequence_);
+}
+
+/// Decides the group as soon as consent is given and all that decides it is known, when `step` is what comes then.
+void Conductor::assignBefore(std::size_t step) {
+  const StudyProtocol& protocol = store_.protocol();
+  const auto decides = [&protocol](const StudyStep& of) {
+    const bool has_strata = of.phase == StudyPhase::kForm && !protocol.assignment.strata.empty();
+    return of.phase == StudyPhase::kConsent || (has_strata && of.form == &protocol.demographics);
+  };
+  const auto from = steps_.begin() + static_cast<std::ptrdiff_t>(step);
+  if (!protocol.groups.empty() && !participant_->assignment && std::none_of(from, steps_.end(), decides)) {
+    participant_->assignment = store_.assignGroup(participant_->id);
+    planSteps();
+  }
+}
+
+const StudyBlock& Conductor::block() const {
+  return store_.protocol().blocks[sequence_[step().position].block];
+}
+
+void Conductor::enter(StudyPhase phase) {
+  phase_ = phase;
+  since_s_ = options_.now_s();
+  buttons_.ask();
+  ++changes_;
+}
+
+void Conductor::enterStep() {
+  assignBefore(step_);
+  if (step_ == steps_.size()) {
+    store_.endParticipant(participant_->id, "finished");
+    enter(StudyPhase::kFinished);
+  } else if (step().phase == StudyPhase::kPreparing) {
+    since_break_ = 0;
+    prepareSoils();
+  } else {
+    enter(step().phase);
+  }
+}
+
+void Conductor::finishStep() {
+  if (step().phase == StudyPhase::kConsent) {
+    store_.giveConsent(participant_->id);
+  }
+  if (!step().name.empty()) {
+    store_.markStep(participant_->id, step().name);
+  }
+  assignBefore(step_ + 1);
+  ++step_;
+  enterStep();
+}
+
+// --- soils
+
+/// All that this block may show, each once.
+std::vector<const Stimulus*> Conductor::stimuli() const {
+  std::vector<const Stimulus*> all{&block().reference};
+  for (const std::vector<Stimulus>* levels : {&block().levels, &block().practice_levels, &block().catch_levels}) {
+    for (const Stimulus& level : *levels) {
+      if (std::ranges::find(all, level.name, &Stimulus::name) == all.end()) {
+        all.push_back(&level);
+      }
+    }
+  }
+  return all;
+}
+
+/// Every bed of a block lies ready before its first trial, so that no pause tells which soil comes.
+void Conductor::prepareSoils() {
+  soil_.reset();
+  if (prepared_ == step().position) {
+    return goToNextTrial();
+  }
+  enter(StudyPhase::kPreparing);
+  soil_ = 0;
+  rig_.prepare(block(), block().reference);
+  prepareNextSoils();
+}
+
+/// As many of them as are there already.
+void Conductor::prepareNextSoils() {
+  const std::vector<const Stimulus*> all = stimuli();
+  while (rig_.ready()) {
+    ++changes_;
+    if (++*soil_ == all.size()) {
+      prepared_ = step().position;
+      return prepareSoils();
+    }
+    rig_.prepare(block(), *all[*soil_]);
+  }
+}
+
+// --- trials
+
+/// Answered trials of the block under way, in their order.
+std::vector<const TrialRow*> Conductor::answered() const {
+  std::vector<const TrialRow*> done;
+  for (const TrialRow& row : rows_) {
+    if (row.position == step().position && row.state == TrialState::kAnswered) {
+      done.push_back(&row);
+    }
+  }
+  return done;
+}
+
+BlockScores Conductor::scores() const {
+  return scoresOf(store_.protocol(), rows_, sequence_[step().position].block, participant_->id);
+}
+
+/// How many trials the block has when no other round of practice is needed.
+int Conductor::plannedTrials() const {
+  const int of_a_round = block().practice_trials;
+  const BlockScores now = scores();
+  const int practice =
+      now.practice_is_over ? now.practised : (now.practised / std::max(of_a_round, 1) + 1) * of_a_round;
+  return static_cast<int>(sequence_[step().position].trials.size()) - block().practice_rounds * of_a_round + practice;
+}
+
+/// What the answers so far leave to do in this block; nothing when it is done.
+std::optional<Conductor::Trial> Conductor::nextTrial() const {
+  return block().procedure == ProcedureKind::kConstant ? plannedTrial(-1) : nextAdaptive();
+}
+
+/// The first trial of a list made beforehand that has no answer yet, other than the one with the index `but`.
+std::optional<Conductor::Trial> Conductor::plannedTrial(int but) const {
+  const std::vector<const TrialRow*> done = answered();
+  const std::vector<PlannedTrial>& planned = sequence_[step().position].trials;
+  const bool practised = scores().practice_is_over;
+  for (int index = 0; index < static_cast<int>(planned.size()); ++index) {
+    if (practised && planned[static_cast<std::size_t>(index)].kind == TrialKind::kPractice) {
+      continue;
+    }
+    if (index != but && std::ranges::none_of(done, [index](const TrialRow* row) { return row->index == index; })) {
+      return Trial{.plan = planned[static_cast<std::size_t>(index)], .index = index};
+    }
+  }
+  return std::nullopt;
+}
+
+/// The one after the trial under way, as far as that does not depend on answers to come.
+std::optional<Conductor::Trial> Conductor::upcoming() const {
+  if (trial_ && !underWay()) {
+    return trial_;
+  }
+  const bool another_round_may_come =
+      block().practice_rounds > 1 && trial_ && trial_->plan.kind == TrialKind::kPractice;
+  if (block().procedure != ProcedureKind::kConstant || another_round_may_come) {
+    return std::nullopt;
+  }
+  return plannedTrial(trial_ ? trial_->index : -1);
+}
+
+std::optional<Conductor::Trial> Conductor::nextAdaptive() const {
+  const std::vector<const TrialRow*> done = answered();
+  const std::size_t number = sequence_[step().position].block;
+  const std::unique_ptr<AdaptiveProcedure> procedure =
+      procedureOf(block(), procedureSeed(store_.seed(), participant_->number, number));
+  const bool practice_is_over = scores().practice_is_over;
+  const int index = static_cast<int>(done.size());
+  int practised = 0, caught = 0, main_trials = 0;
+  for (const TrialRow* row : done) {
+    practised += row->kind == TrialKind::kPractice ? 1 : 0;
+    caught += row->kind == TrialKind::kCatch ? 1 : 0;
+    if (row->kind == TrialKind::kMain) {
+      ++main_trials;
+      procedure->answer(row->value, row->answer->positive);
+    }
+  }
+  for (const PlannedTrial& planned : sequence_[step().position].trials) {
+    const bool practice = planned.kind == TrialKind::kPractice;
+    if (practice && practice_is_over) {
+      continue;
+    }
+    int& before = practice ? practised : caught;
+    if (before-- <= 0 && (practice || planned.before_main <= main_trials)) {
+      return Trial{.plan = planned, .index = index};
+    }
+  }
+  const std::optional<double> value = procedure->next();
+  if (!value) {
+    return std::nullopt;
+  }
+  return Trial{.plan = adaptiveTrial(store_.protocol(), number, store_.seed(), participant_->number, main_trials,
+                                     levelOf(block(), *value)),
+               .index = index};
+}
+
+void Conductor::goToNextTrial() {
+  right_.reset();
+  trial_ = nextTrial();
+  if (!trial_) {
+    finishStep();
+  } else if (block().break_every_trials > 0 && since_break_ >= block().break_every_trials) {
+    enter(StudyPhase::kBreak);
+  } else {
+    beginTrial();
+  }
+}
+
+void Conductor::beginTrial() {
+  enter(StudyPhase::kPreparing);  // whatever fails now, it is a trial that is begun again
+  const StudyBlock& now = block();
+  const Stimulus& test = testOf(now, trial_->plan);
+  const auto same = [this](const TrialRow& row) {
+    return row.position == step().position && row.index == trial_->index;
+  };
+  TrialBegun begun;
+  begun.participant = participant_->id;
+  begun.block = sequence_[step().position].block;
+  begun.position = step().position;
+  begun.index = trial_->index;
+  begun.attempt = static_cast<int>(std::ranges::count_if(rows_, same));
+  begun.kind = trial_->plan.kind;
+  begun.block_name = now.name;
+  begun.level = test.name;
+  begun.reference = now.teleop ? "" : now.reference.name;
+  begun.value = test.value;
+  begun.reference_value = now.reference.value;
+  begun.test_first = trial_->plan.test_first;
+  begun.seed = trial_->plan.seed;
+  if (store_.protocol().record && !options_.recordings.empty()) {
+    begun.recording = trial_->recording =
+        freeName(options_.recordings,
+                 fmt::format("{}-{}-{:03}-{}", participant_->code, now.name, begun.index + 1, begun.attempt + 1));
+  }
+  trial_->id = store_.beginTrial(begun);
+  readRows();
+  prepareInterval(1);
+}
+
+const Stimulus& Conductor::stimulus(int interval) const {
+  const bool test = (interval == 1) == trial_->plan.test_first;
+  return test ? testOf(block(), trial_->plan) : block().reference;
+}
+
+void Conductor::prepareInterval(int interval) {
+  trial_->interval = interval;
+  enter(StudyPhase::kPreparing);
+  rig_.show(block(), stimulus(interval));
+}
+
+void Conductor::endInterval() {
+  const TeleopSummary work = rig_.work();
+  trial_->felt[static_cast<std::size_t>(trial_->interval - 1)] = rig_.rest();
+  stopRecording();
+  if (block().teleop) {
+    enter(StudyPhase::kQuestion);  // that nobody is asked: the answer waits there when it cannot be written
+    TrialAnswer given{.reaction_s = std::numeric_limits<double>::quiet_NaN(), .felt = trial_->felt, .teleop = work};
+    unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
+    finishTrial();
+  } else if (trial_->interval == 1) {
+    prepareInterval(2);
+  } else {
+    enter(StudyPhase::kQuestion);
+  }
+}
+
+void Conductor::stopRecording() {
+  if (trial_->recording_runs) {
+    trial_->recording_runs = false;
+    try {
+      rig_.stopRecording();
+    } catch (const Failure& failure) {  // the answer counts for more
+      problem_ = fmt::format("the recording of this trial is not whole: {}", failure.what());
+      store_.addNote(participant_->id, problem_, "problem");
+    }
+  }
+}
+
+/// Ends the trial under way without an answer: it is done again.
+void Conductor::dropTrial(TrialState state, std::string_view reason) {
+  if (!underWay() || !isTrialPhase(phase_)) {
+    return;
+  }
+  if (phase_ == StudyPhase::kInterval) {
+    (void)rig_.rest();
+    stopRecording();
+  }
+  store_.voidTrial(trial_->id, state, reason);
+  trial_.reset();
+  readRows();
+}
+
+/// Writes the answer that waits, if one does. When this throws, nothing has been written and it waits on.
+void Conductor::saveWhatWaits() {
+  if (unsaved_) {
+    store_.answerTrial(unsaved_->id, unsaved_->answer);
+    unsaved_.reset();
+    trial_.reset();  // it is no longer under way, whatever fails now
+  }
+}
+
+void Conductor::finishTrial() {
+  const Unsaved done = *unsaved_;
+  saveWhatWaits();
+  ++since_break_;
+  enter(StudyPhase::kFeedback);
+  readRows();
+  const bool tells = done.practice ? block().practice_feedback : block().feedback;
+  if (done.answer.teleop) {
+    right_ = done.answer.teleop->done == 1;
+  } else if (done.answer.correct && tells) {
+    right_ = done.answer.correct;
+  } else {
+    goToNextTrial();
+  }
+}
+
+void Conductor::readRows() {
+  rows_ = store_.trials(participant_->id);
+  ++changes_;
+}
+
+// --- time
+
+void Conductor::poll() {
+  if (!participant_ || paused_ || over()) {
+    return;
+  }
+  guarded([this] {
+    const std::optional<double> left_s = remaining();
+    const std::optional<int> pressed = buttons_.step(rig_.buttons(), options_.now_s());
+    switch (phase_) {
+      case StudyPhase::kPreparing:
+        if (soil_) {
+          prepareNextSoils();
+        } else if (underWay() && rig_.ready() && elapsed() >= restTime()) {
+          if (!trial_->recording.empty()) {
+            rig_.startRecording(recordingOf(options_.recordings, trial_->recording, trial_->interval));
+            trial_->recording_runs = true;
+          }
+          rig_.feel();
+          enter(StudyPhase::kInterval);
+        }
+        break;
+      case StudyPhase::kInterval:
+        if ((block().teleop && rig_.workIsDone()) || (left_s && *left_s <= 0) ||
+            (pressed && !block().teleop && elapsed() > kShortestInterval_s)) {
+          endInterval();
+        }
+        break;
+      case StudyPhase::kQuestion:
+        if (pressed) {
+          answer(*pressed);
+        } else if (left_s && *left_s <= 0) {
+          dropTrial(TrialState::kLost, fmt::format("no answer within {:g} s", block().answer_limit_s));
+          goToNextTrial();
+        }
+        break;
+      case StudyPhase::kFeedback:
+        if (elapsed() >= kFeedback_s) {
+          goToNextTrial();
+        }
+        break;
+      default: break;
+    }
+  });
+}
+
+/// How long the hand rests before the interval that is prepared, in s.
+double Conductor::restTime() const {
+  return trial_->interval == 2 ? block().between_intervals_s : block().between_trials_s;
+}
+
+std::optional<double> Conductor::remaining() const {
+  double limit_s = 0;
+  if (phase_ == StudyPhase::kInterval) {
+    limit_s = block().interval_s;
+  } else if (phase_ == StudyPhase::kQuestion) {
+    limit_s = block().answer_limit_s;
+  } else if (phase_ == StudyPhase::kBreak) {
+    limit_s = block().break_s;
+  }
+  return limit_s > 0 ? std::optional(std::max(0.0, limit_s - elapsed())) : std::nullopt;
+}
+
+/// Does what may fail; when it does, the study pauses and says why.
+template <class Work>
+void Conductor::guarded(Work work) {
+  try {
+    work();
+  } catch (const InvalidParameter& error) {
+    halt(error.what());
+  } catch (const std::runtime_error& error) {  // a Failure, or that there is no thread for a bed or a recording
+    halt(error.what());
+  } catch (const std::bad_alloc& error) {
+    halt(error.what());
+  }
+}
+
+void Conductor::halt(std::string_view problem) {
+  problem_ = problem;
+  paused_ = true;
+  ++changes_;
+  rig_.pause();
+}
+
+// --- what a participant does
+
+void Conductor::proceed() {
+  if (paused_) {
+    refuse("go", "in a pause", "asked for when it is over");
+  }
+  switch (phase_) {
+    case StudyPhase::kConsent:
+    case StudyPhase::kInstructions: return guarded([this] { finishStep(); });
+    case StudyPhase::kInterval:
+      if (block().teleop) {
+        refuse("go", "before the work is done", "left out: it ends when that is seen, or when the time is over");
+      }
+      return guarded([this] { endInterval(); });
+    case StudyPhase::kBreak:
+      if (remaining().value_or(0) > 0) {
+        refuse("go", "in a break", fmt::format("asked for in {:.0f} s", std::ceil(*remaining())));
+      }
+      since_break_ = 0;
+      return guarded([this] { beginTrial(); });
+    default: refuse("go", "now", "asked for when there is something to go on from");
+  }
+}
+
+void Conductor::fill(const std::map<std::string, std::string>& values) {
+  if (paused_ || phase_ != StudyPhase::kForm) {
+    refuse("fill", "now", "asked for when there is a form");
+  }
+  // The store and its exports know a form by its block, wherever that stands in this participant's order.
+  const std::string& form = step().of_block ? block().name : step().name;
+  store_.setAnswers(participant_->id, form, *step().form, values);  // throws for what is wrong in it
+  guarded([this] { finishStep(); });
+}
+
+void Conductor::answer(int choice) {
+  if (paused_ || phase_ != StudyPhase::kQuestion || unsaved_) {
+    refuse("answer", "now", "given to a question that is open");
+  }
+  if (choice != 0 && choice != 1) {
+    refuse("choice", fmt::format("{}", choice), "0 or 1");
+  }
+  const Stimulus& test = testOf(block(), trial_->plan);
+  TrialAnswer given;
+  given.positive = (choice == 1) != trial_->plan.test_first;
+  if (test.value != block().reference.value) {
+    given.correct = given.positive == (test.value > block().reference.value);
+  }
+  given.reaction_s = elapsed();
+  given.felt = trial_->felt;
+  unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
+  guarded([this] { finishTrial(); });
+}
+
+void Conductor::withdraw() {
+  if (!participant_ || over()) {
+    refuse("quit", "now", "asked for by a participant under way");
+  }
+  guarded([this] {
+    saveWhatWaits();
+    dropTrial(TrialState::kLost, "the participant withdrew");
+    store_.endParticipant(participant_->id, "withdrawn");
+    problem_.clear();
+    if (paused_) {
+      paused_ = false;
+      rig_.resume();
+    }
+    enter(StudyPhase::kWithdrawn);
+  });
+}
+
+// --- what an experimenter does
+
+void Conductor::pause() {
+  if (!participant_ || paused_ || over()) {
+    refuse("pause", "now", "asked for while a participant is under way");
+  }
+  guarded([this] {
+    dropTrial(TrialState::kRepeated, "paused");
+    store_.addNote(participant_->id, "", "pause");
+  });
+  paused_ = true;
+  ++changes_;
+  rig_.pause();
+}
+
+void Conductor::resume() {
+  if (!paused_) {
+    refuse("resume", "now", "asked for in a pause");
+  }
+  problem_.clear();
+  paused_ = false;
+  ++changes_;
+  rig_.resume();
+  guarded([this] {
+    if (unsaved_) {
+      finishTrial();
+      return;
+    }
+    store_.addNote(participant_->id, "", "resume");
+    if (underWay()) {
+      dropTrial(TrialState::kLost, "something failed");
+    }
+    if (isTrialPhase(phase_) || phase_ == StudyPhase::kWaiting || step_ == steps_.size()) {
+      enterStep();
+    }
+  });
+}
+
+void Conductor::repeat(Again which, std::string_view reason) {
+  if (reason.empty()) {
+    refuse("reason", "nothing", "some words");
+  }
+  if (!participant_ || over() || unsaved_ || step_ == steps_.size() || step().phase != StudyPhase::kPreparing) {
+    refuse("repeat", "now", "asked for during a block's trials");
+  }
+  guarded([this, which, reason] {
+    const bool under_way = underWay() && isTrialPhase(phase_);
+    if (which == Again::kLast || !under_way) {
+      dropTrial(TrialState::kLost, "the one before it is repeated");
+      if (const auto done = answered(); !done.empty()) {
+        store_.voidTrial(done.back()->id, TrialState::kRepeated, reason);
+        readRows();
+      }
+    } else {
+      dropTrial(TrialState::kRepeated, reason);
+    }
+    if (!paused_ && !soil_) {
+      goToNextTrial();
+    }
+  });
+}
+
+void Conductor::note(std::string_view text) {
+  if (text.empty()) {
+    refuse("text", "nothing", "some words");
+  }
+  store_.addNote(participant_ ? participant_->id : 0, text, "note");
+  ++changes_;
+}
+
+void Conductor::remark(std::string_view text) {
+  guarded([this, text] {
+    store_.addNote(participant_ ? participant_->id : 0, text, "program");
+    ++changes_;
+  });
+}
+
+void Conductor::stop() {
+  if (participant_ && !over()) {
+    guarded([this] {
+      saveWhatWaits();
+      dropTrial(TrialState::kLost, "stopped for today");
+      store_.addNote(participant_->id, "stopped for today", "stop");
+    });
+  }
+  if (participant_) {
+    const StudyState far = state();
+    stopped_ = StudyState{.phase = over() ? phase_ : StudyPhase::kStopped,
+                          .participant = far.participant,
+                          .group = far.group,
+                          .title = far.title,
+                          .text = over() ? far.text : "",
+                          .position = far.position,
+                          .blocks = far.blocks,
+                          .trial = std::max(0, far.trial - (phase_ == StudyPhase::kFeedback ? 0 : 1)),
+                          .trials = far.trials};
+  }
+  participant_.reset();
+  trial_.reset();
+  paused_ = false;
+  enter(StudyPhase::kWaiting);
+}
+
+// --- what is the case
+
+StudyState Conductor::state() const {
+  if (stopped_) {
+    return *stopped_;
+  }
+  StudyState now;
+  now.phase = phase_;
+  now.paused = paused_;
+  now.problem = problem_;
+  now.title = store_.protocol().title;
+  now.blocks = sequence_.size();
+  if (!participant_) {
+    return now;
+  }
+  now.participant = participant_->code;
+  now.group = participant_->assignment ? participant_->assignment->group : "";
+  if (phase_ == StudyPhase::kFinished || phase_ == StudyPhase::kWithdrawn || step_ == steps_.size()) {
+    now.text = phase_ == StudyPhase::kFinished ? store_.protocol().thanks : "";
+    now.position = sequence_.size();
+    return now;
+  }
+  now.title = step().title;
+  now.text = step().text;
+  now.form = phase_ == StudyPhase::kForm ? step().form : nullptr;
+  now.position = step().position;
+  now.remaining_s = remaining();
+  now.right = right_;
+  if (step().of_block) {
+    now.block = &block();
+  }
+  if (step().phase == StudyPhase::kPreparing) {
+    const bool known = block().procedure == ProcedureKind::kConstant;
+    now.trials = known ? plannedTrials() : 0;
+    if (soil_) {
+      now.soils = static_cast<int>(stimuli().size());
+      now.soil = static_cast<int>(*soil_) + 1;
+    }
+    now.trial = static_cast<int>(answered().size()) + (phase_ == StudyPhase::kFeedback ? 0 : 1);
+    const auto shown = [this](const Trial& trial) {
+      return ShownTrial{trial.plan.kind, &block(), &testOf(block(), trial.plan), trial.plan.test_first};
+    };
+    if (underWay()) {
+      now.now = shown(*trial_);
+      now.interval = phase_ == StudyPhase::kPreparing || phase_ == StudyPhase::kInterval ? trial_->interval : 0;
+    }
+    if (const std::optional<Trial> next = upcoming()) {
+      now.next = shown(*next);
+    }
+  }
+  switch (phase_) {
+    case StudyPhase::kConsent: now.button = "I agree and take part"; break;
+    case StudyPhase::kInstructions: now.button = "Continue"; break;
+    case StudyPhase::kInterval:
+      now.button = block().teleop ? "" : now.interval == 1 ? "I have felt enough" : "I have felt enough: answer";
+      now.work = block().teleop ? rig_.workText() : "";
+      break;
+    case StudyPhase::kBreak: now.button = now.remaining_s.value_or(0) > 0 ? "" : "Continue"; break;
+    default: break;
+  }
+  return now;
+}
+
+}  // namespace haptolith

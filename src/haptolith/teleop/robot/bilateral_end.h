@@ -1,0 +1,43 @@
+#pragma once
+
+#include <algorithm>
+
+#include "haptolith/core/movement.h"
+
+namespace haptolith {
+
+/// One end of a channel with delay, kept from giving more energy than went in at the other: time-domain passivity for a
+/// network of two ports (Ryu, Artigas and Preusche 2010, Mechatronics 20:812).
+///
+///     out here (t) <= in there (t - delay)
+///
+/// Each end tells the other with every packet how much has gone in at it so far. What would come out in excess is taken
+/// back: where the hand is, by damping its force; where the robot is, by slowing it down. May be called in the tick.
+class BilateralEnd {
+ public:
+  /// @param lever_m  turns count as movements at so long a lever.
+  BilateralEnd(double tick_s, double lever_m) noexcept : tick_s_(tick_s), lever_m_(lever_m) {}
+
+  /// What the other end told.
+  void hear(double in_there_j) noexcept { in_there_j_ = std::max(in_there_j_, in_there_j); }
+  /// What has gone in here, to be told.
+  [[nodiscard]] double in() const noexcept { return in_j_; }
+  /// Energy that is still owed to this end.
+  [[nodiscard]] double margin() const noexcept { return in_there_j_ - out_j_; }
+  /// Taken back so far.
+  [[nodiscard]] double dissipated() const noexcept { return dissipated_j_; }
+
+  /// A force that the channel shows, as far as it is paid for when this end moves so.
+  [[nodiscard]] Wrench damp(const Wrench& shown, const Twist& twist) noexcept;
+  /// A movement that the channel makes against a load, likewise. @param load  what it meets: against the movement.
+  [[nodiscard]] Twist brake(const Twist& moved, const Wrench& load) noexcept;
+
+ private:
+  /// What is in excess of a tick's energy out of the channel; books the rest.
+  [[nodiscard]] double excess(double out_j) noexcept;
+
+  double tick_s_, lever_m_;
+  double in_j_ = 0, out_j_ = 0, in_there_j_ = 0, dissipated_j_ = 0;
+};
+
+}  // namespace haptolith
