@@ -1,10 +1,10 @@
+#include "haptolith/lab/report/specimen_statistics.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <vector>
-
-#include "haptolith/lab/report/specimen_statistics.h"
 
 namespace haptolith {
 namespace {

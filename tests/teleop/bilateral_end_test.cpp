@@ -1,9 +1,10 @@
+#include "haptolith/teleop/robot/bilateral_end.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "haptolith/core/random.h"
-#include "haptolith/teleop/robot/bilateral_end.h"
 
 namespace haptolith {
 namespace {
