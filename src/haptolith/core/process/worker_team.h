@@ -7,8 +7,8 @@
 
 namespace haptolith {
 
-/// How the system schedules the threads that help another.
-struct HelperSchedule {
+/// How the system schedules the threads that help another. Aligned so that every compiler stores it without a lock.
+struct alignas(8) HelperSchedule {
   int priority = 0;      ///< real-time priority; 0: none
   int avoided_cpu = -1;  ///< CPU that they keep off, if there is another; -1: none
 
@@ -68,6 +68,7 @@ class WorkerTeam {
   alignas(64) std::atomic<std::uint32_t> round_{0};
   std::atomic<std::int64_t> expected_until_ns_{0};
   std::atomic<HelperSchedule> schedule_{HelperSchedule{}};
+  static_assert(std::atomic<HelperSchedule>::is_always_lock_free);
   alignas(64) std::atomic<int> unfinished_{0};
   std::atomic<bool> stop_{false};
 };
