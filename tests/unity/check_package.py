@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
-PACKAGE = SOURCE / "unity/org.haptolith"
+PACKAGE = SOURCE / "contrib/unity/org.haptolith"
 
 
 def main() -> None:
@@ -28,7 +28,7 @@ def main() -> None:
     for assembly in assemblies.values():
         assert set(assembly.get("references", [])) <= set(assemblies), assembly["name"]
     if shutil.which("git") and (SOURCE / ".git").exists():
-        listed = subprocess.run(["git", "-C", str(SOURCE), "ls-files", "unity"], check=True, capture_output=True, text=True).stdout.split()
+        listed = subprocess.run(["git", "-C", str(SOURCE), "ls-files", "contrib/unity"], check=True, capture_output=True, text=True).stdout.split()
         assert not [name for name in listed if name.endswith((".so", ".dll"))], "no binary is committed"
 
 

@@ -7,7 +7,7 @@
 set -euo pipefail
 how=$1 build=$2 work=$3
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-here=$source/tests/unity package=$source/unity/org.haptolith
+here=$source/tests/unity package=$source/contrib/unity/org.haptolith
 export LD_LIBRARY_PATH=$build/lib HAPTOLITH_CACHE=off
 
 for program in mcs mono; do
@@ -39,7 +39,7 @@ same() {
 case $how in
   layout)
     compile Haptolith.dll -target:library "$package"/Runtime/*.cs
-    /usr/bin/python3 "$source/unity/make_native.py" --layout .
+    /usr/bin/python3 "$source/contrib/unity/make_native.py" --layout .
     compileC layout layout.c
     compile Layout.exe -r:Haptolith.dll Layout.cs
     ./layout > of_c.txt

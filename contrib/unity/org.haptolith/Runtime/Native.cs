@@ -1,4 +1,4 @@
-// Made by unity/make_native.py from include/haptolith/haptolith.h: do not edit. It names everything as C does, and explains it in
+// Made by contrib/unity/make_native.py from include/haptolith/haptolith.h: do not edit. It names everything as C does, and explains it in
 // C's words. Handles and functions are IntPtr; structs are plain memory and go to the library as they are.
 #pragma warning disable IDE1006, CS0649
 using System;

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-SOURCE = Path(__file__).resolve().parent.parent
+SOURCE = Path(__file__).resolve().parents[2]
 HEADER = SOURCE / "include/haptolith/haptolith.h"
-NATIVE = SOURCE / "unity/org.haptolith/Runtime/Native.cs"
+NATIVE = SOURCE / "contrib/unity/org.haptolith/Runtime/Native.cs"
 
 sys.path.insert(0, str(SOURCE / "manual"))
 sys.dont_write_bytecode = True
@@ -169,7 +169,7 @@ def native(header: Header) -> str:
             sys.exit(f"make_native.py: the header has a declaration that this script does not know: {declaration!r}")
     major, minor = re.search(r"project\(haptolith VERSION (\d+)\.(\d+)\.", (SOURCE / "CMakeLists.txt").read_text()).groups()  # type: ignore[union-attr]
     return "\n".join([
-        "// Made by unity/make_native.py from include/haptolith/haptolith.h: do not edit. It names everything as C does, and explains it in",
+        "// Made by contrib/unity/make_native.py from include/haptolith/haptolith.h: do not edit. It names everything as C does, and explains it in",
         "// C's words. Handles and functions are IntPtr; structs are plain memory and go to the library as they are.",
         "#pragma warning disable IDE1006, CS0649",
         "using System;", "using System.Runtime.InteropServices;", "", "namespace Haptolith", "{", *types,
@@ -202,7 +202,7 @@ def main() -> None:
     text = native(header)
     if sys.argv[1:] == ["--check"]:
         if not NATIVE.exists() or NATIVE.read_text() != text:
-            sys.exit(f"{NATIVE.relative_to(SOURCE)} is not what {HEADER.relative_to(SOURCE)} says: run unity/make_native.py")
+            sys.exit(f"{NATIVE.relative_to(SOURCE)} is not what {HEADER.relative_to(SOURCE)} says: run contrib/unity/make_native.py")
     elif sys.argv[1:2] == ["--layout"] and len(sys.argv) == 3:
         layout(header, Path(sys.argv[2]))
     elif len(sys.argv) == 1:
