@@ -78,6 +78,7 @@ TEST(ShippedProtocols, AreAllValid) {
 
 TEST(ShippedProtocols, AreTheFilesInTheirFolder) {
   EXPECT_EQ(findProtocol("PAPER").text, readSource("protocols/paper.toml"));
+  EXPECT_THROW((void)findProtocol(std::string(300, 'x')), InvalidParameter) << "no file can have that name";
 }
 
 TEST(ShippedProtocols, HaveThePapersFrictionExperiment) {

@@ -115,6 +115,17 @@ TEST(SitePacket, RefusesWhatMakesNoSense) {
   }
 }
 
+TEST(SiteMap, TakesPacketsThatAreNumberedFromZero) {
+  SiteMap map;
+  SitePacket packet = somePacket();
+  packet.number = 0;
+  EXPECT_TRUE(map.take(packet));
+  EXPECT_FALSE(map.take(packet)) << "again";
+  packet.number = 1;
+  EXPECT_TRUE(map.take(packet));
+  EXPECT_EQ(map.taken(), 2U);
+}
+
 TEST(SiteMap, KnowsTheNewestOfEachCellInWhateverOrderItCame) {
   SiteMap map;
   EXPECT_TRUE(map.empty());

@@ -211,7 +211,11 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
                        .chunk_rows = kSiteRowsPerChunk});
     }
     done(H5Fstart_swmr_write(file_.id()), "start writing");
-    fs::rename(making, path_);
+    std::error_code failed;
+    fs::rename(making, path_, failed);
+    if (failed) {
+      throw Failure(failed.message());
+    }
     rememberOutput(path_);
   } catch (const std::exception& error) {
     abandon();

@@ -9,13 +9,15 @@ bool SiteMap::take(const SitePacket& packet) {
     robot_session_ = packet.robot_session;
     grid_ = packet.grid;
     heights_m_.assign(grid_.cells(), std::numeric_limits<double>::quiet_NaN());
+    known_.assign(grid_.cells(), false);
     numbers_.assign(grid_.cells(), 0);
     commands_.assign(grid_.cells(), 0);
   }
   bool news = false;
   for (std::size_t i = 0; i < packet.steps.size(); ++i) {
     const std::size_t cell = (packet.row + i / packet.columns) * grid_.columns + packet.column + i % packet.columns;
-    if (packet.number > numbers_[cell]) {
+    if (!known_[cell] || packet.number > numbers_[cell]) {
+      known_[cell] = true;
       numbers_[cell] = packet.number;
       commands_[cell] = packet.index;
       heights_m_[cell] = packet.steps[i] == SitePacket::kNotSeen ? std::numeric_limits<double>::quiet_NaN()

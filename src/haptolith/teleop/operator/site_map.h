@@ -29,7 +29,8 @@ class SiteMap {
   std::uint32_t robot_session_ = 0;
   HeightGrid grid_;
   std::vector<double> heights_m_;
-  std::vector<std::uint64_t> numbers_;  ///< of the packet that each cell is known from
+  std::vector<bool> known_;             ///< cells of which a packet told, be it that they were not seen
+  std::vector<std::uint64_t> numbers_;  ///< of that packet
   std::vector<std::uint64_t> commands_;
   std::uint64_t taken_ = 0;
 };
