@@ -9,10 +9,13 @@
 #include <boost/system/error_code.hpp>
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "haptolith/viewer/web_server.h"
@@ -41,9 +44,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   asio::io_context io;
   asio::ip::tcp::socket socket(io);
   error_code error;
-  socket.connect({asio::ip::make_address("127.0.0.1"), target.server.port()}, error);
+  const asio::ip::tcp::endpoint server(asio::ip::make_address("127.0.0.1"), target.server.port());
+  socket.connect(server, error);
+  for (int tries = 0; error == boost::system::errc::address_not_available && tries < 600; ++tries) {
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(100));  // all ports wait for a minute after the server hung up
+    socket.close();
+    socket.connect(server, error);
+  }
   if (error) {
-    std::abort();  // it no longer serves
+    std::fprintf(stderr, "it no longer serves: %s\n", error.message().c_str());
+    std::abort();
   }
   socket.set_option(asio::socket_base::linger(true, 0), error);  // else thousands of ports wait to be free again
   if (data[0] % 2 == 1) {                                        // a client, whose frames are rubbish
