@@ -774,7 +774,8 @@ TEST_P(PythonsExample, LeadsTheToolInACircleAndFeelsIt) {
   if (std::system("python3 --version > /dev/null 2>&1") != 0) {
     GTEST_SKIP() << "no python3";
   }
-  const std::filesystem::path key_file = std::filesystem::temp_directory_path() / "haptolith-network-device.key";
+  const std::filesystem::path key_file =
+      std::filesystem::temp_directory_path() / ("haptolith-network-device-" + std::to_string(getpid()) + ".key");
   std::ofstream(key_file) << kKey << '\n';
   NetworkDevice device(GetParam() ? withKey() : kAnyPort, kPatient);
   const Descriptor words = temporaryFile();

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -290,7 +291,8 @@ TEST_P(PythonsRobot, FollowsAnOperatorAndTellsTheForceOfItsGround) {
   if (std::system("python3 --version > /dev/null 2>&1") != 0) {
     GTEST_SKIP() << "no python3";
   }
-  const std::filesystem::path key_file = std::filesystem::temp_directory_path() / "haptolith-teleop.key";
+  const std::filesystem::path key_file =
+      std::filesystem::temp_directory_path() / ("haptolith-teleop-" + std::to_string(getpid()) + ".key");
   std::ofstream(key_file) << kKey << '\n';
   std::string to;
   {
