@@ -21,8 +21,8 @@ endif()
 
 # haptolith_unity(haptolith_soil): compiles a target's sources twelve at a time, which takes half as long; a changed file then
 # costs its whole batch. Alone stay sources that Highway compiles once for each instruction set, since they include themselves,
-# those with definitions of their own, and those whose property HAPTOLITH_ALONE is set. CMake's UNITY_BUILD would do, but writes absolute names into its batches: no
-# compiler cache would serve another checkout.
+# those with definitions of their own, and those whose property HAPTOLITH_ALONE is set. CMake's UNITY_BUILD would do, but writes
+# absolute names into its batches: no compiler cache would serve another checkout.
 option(HAPTOLITH_UNITY "Compile several sources at a time: quicker from nothing, slower after a change" OFF)
 function(haptolith_unity target)
   if(HAPTOLITH_UNITY)

@@ -47,8 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const asio::ip::tcp::endpoint server(asio::ip::make_address("127.0.0.1"), target.server.port());
   socket.connect(server, error);
   for (int tries = 0; error == boost::system::errc::address_not_available && tries < 600; ++tries) {
-    std::this_thread::sleep_for(
-        std::chrono::milliseconds(100));  // all ports wait for a minute after the server hung up
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // a closed connection keeps its port for a minute
     socket.close();
     socket.connect(server, error);
   }

@@ -12,7 +12,7 @@ namespace {
 std::atomic<long> allocations{0};             // of all threads
 thread_local long allocations_of_thread = 0;  // of the one that asks
 
-void* pluralise(std::size_t bytes, std::size_t alignment) {
+void* counted(std::size_t bytes, std::size_t alignment) {
   ++allocations;
   ++allocations_of_thread;
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
@@ -25,7 +25,7 @@ constexpr std::size_t kUsual = alignof(std::max_align_t);
 
 void* countedOrNull(std::size_t bytes) noexcept {
   try {
-    return pluralise(bytes, kUsual);
+    return counted(bytes, kUsual);
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
@@ -33,16 +33,16 @@ void* countedOrNull(std::size_t bytes) noexcept {
 }  // namespace
 
 void* operator new(std::size_t bytes) {
-  return pluralise(bytes, kUsual);
+  return counted(bytes, kUsual);
 }
 void* operator new[](std::size_t bytes) {
-  return pluralise(bytes, kUsual);
+  return counted(bytes, kUsual);
 }
 void* operator new(std::size_t bytes, std::align_val_t a) {
-  return pluralise(bytes, static_cast<std::size_t>(a));
+  return counted(bytes, static_cast<std::size_t>(a));
 }
 void* operator new[](std::size_t bytes, std::align_val_t a) {
-  return pluralise(bytes, static_cast<std::size_t>(a));
+  return counted(bytes, static_cast<std::size_t>(a));
 }
 void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
   return countedOrNull(bytes);

@@ -76,8 +76,8 @@ class RandomGrid : public testing::TestWithParam<Boxed> {
 
   void expectAllOf(const std::set<std::int32_t>& wanted, const std::vector<std::int32_t>& found, const char* what) {
     const std::set<std::int32_t> once(found.begin(), found.end());
-    EXPECT_EQ(once.size(), found.size()) << what << ": nobody twice";
-    EXPECT_TRUE(std::ranges::includes(once, wanted)) << what << " misses somebody";
+    EXPECT_EQ(once.size(), found.size()) << what << ": no particle twice";
+    EXPECT_TRUE(std::ranges::includes(once, wanted)) << what << " misses a particle";
   }
 
   std::mt19937 random_{5};

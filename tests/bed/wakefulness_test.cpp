@@ -41,7 +41,7 @@ class ThreeGroups : public testing::Test {
     ASSERT_TRUE(state_.contacts.add(j, static_cast<std::int32_t>(i)));
   }
 
-  /// So many steps in which `moving` groups move. What they disturbed; who was ready to sleep is put to sleep.
+  /// Steps while the `moving` groups move, and puts groups to sleep. Returns those that were disturbed.
   std::vector<std::uint32_t> step(int steps, const std::vector<std::size_t>& moving = {}) {
     std::vector<std::uint32_t> disturbed;
     for (int k = 0; k < steps; ++k) {
@@ -83,7 +83,7 @@ TEST_F(ThreeGroups, SleepAfterATurnMoreThanRestTakesAndNotBefore) {
   }
 }
 
-TEST_F(ThreeGroups, OneThatMovesKeepsItsNeighbourAwakeAndNobodyElse) {
+TEST_F(ThreeGroups, AMovingGroupKeepsOnlyItsNeighbourAwake) {
   step(kRule.steps + 3 * static_cast<int>(kTurn), {0});
   EXPECT_THAT(wakefulness_.awake(), ElementsAre(0, 1));
   EXPECT_EQ(state_.rested[0], 0);
@@ -131,7 +131,7 @@ TEST_F(ThreeGroups, SleepStopsParticlesAndStandsInBothRecords) {
   EXPECT_EQ(next_position_[5].z, 3);
 }
 
-TEST_F(ThreeGroups, WhoIsKeptAwakeOrDrivenDoesNotSleep) {
+TEST_F(ThreeGroups, KeptOrDrivenGroupsDoNotSleep) {
   keep_awake_[0] = 1U << 2;
   state_.velocity[3] = {0, 0, 1e-9F, BedState::kDriven};
   step(kRule.steps + 3 * static_cast<int>(kTurn));
@@ -199,7 +199,7 @@ TEST_F(ThreeGroups, PartsTogetherFindTheSameInOrder) {
   EXPECT_EQ(all.ready_to_sleep_count, 0U);
 }
 
-TEST_F(ThreeGroups, NobodySleepsBesideUnrestInAStateThatIsTakenOver) {
+TEST_F(ThreeGroups, NoGroupSleepsBesideUnrestInARestoredState) {
   sleepAll();
   state_.rested[0] = 5;  // as of another bed
   wakefulness_.takeOver(state_);

@@ -166,7 +166,7 @@ TEST(Groups, HaveStrataOfChoicesAndOfNumbersBetweenCutPoints) {
 // ---------------------------------------------------------------------------------------------
 
 /// How often each group comes in these places of a stratum's sequence.
-std::array<int, 2> pluralise(const StudyProtocol& protocol, std::size_t stratum, std::size_t first, std::size_t count) {
+std::array<int, 2> counted(const StudyProtocol& protocol, std::size_t stratum, std::size_t first, std::size_t count) {
   std::array<int, 2> counts{};
   for (std::size_t place = first; place < first + count; ++place) {
     ++counts.at(groupAt(protocol, 42, stratum, place));
@@ -178,13 +178,13 @@ TEST(Groups, HaveTheirSharesOfEveryPermutedBlock) {
   StudyProtocol protocol = load(kTwoGroups);
   for (std::size_t stratum = 0; stratum < strataOf(protocol); ++stratum) {
     for (std::size_t block = 0; block < 50; ++block) {
-      EXPECT_THAT(pluralise(protocol, stratum, 4 * block, 4), ElementsAre(2, 2)) << stratum << " " << block;
+      EXPECT_THAT(counted(protocol, stratum, 4 * block, 4), ElementsAre(2, 2)) << stratum << " " << block;
     }
   }
   protocol.groups[1].share = 2;
   protocol.assignment.block_size = 6;
-  EXPECT_THAT(pluralise(protocol, 0, 0, 6), ElementsAre(2, 4));
-  EXPECT_THAT(pluralise(protocol, 3, 60, 600), ElementsAre(200, 400));
+  EXPECT_THAT(counted(protocol, 0, 0, 6), ElementsAre(2, 4));
+  EXPECT_THAT(counted(protocol, 3, 60, 600), ElementsAre(200, 400));
 }
 
 TEST(Groups, ComeInEveryOrderOfAPermutedBlockEquallyOften) {

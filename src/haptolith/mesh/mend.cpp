@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "haptolith/core/pluralise.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/mesh/triangle_tree.h"
 
@@ -24,11 +25,6 @@ using Triangle = std::array<std::int32_t, 3>;
 
 std::size_t indexOf(std::int32_t index) {
   return static_cast<std::size_t>(index);
-}
-
-/// "1 triangle", "2 triangles".
-std::string pluralise(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 void throwIfMendingStopped() {

@@ -6,7 +6,7 @@
 
 namespace haptolith {
 
-/// What the step relies on and a state does not keep, in one sentence; empty when it keeps all. Checked are: finite
+/// Returns the first invariant of the step that a state breaks, in one sentence; empty if it keeps all. Checked: finite
 /// positions and velocities; ghosts behind the particles and in the lists; contact lists that are symmetric, name each
 /// neighbour once and count their rows; slips that are opposite from both sides of a contact between groups that are
 /// both awake; sleeping groups that stand still. Takes as long as some steps; not for the tick.

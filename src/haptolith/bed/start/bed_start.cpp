@@ -174,7 +174,7 @@ std::vector<Vec3> packed(const BedParameters& bed) {
   return stacked(bed, lattice, layers);
 }
 
-std::vector<Vec3> pluralise(const BedParameters& bed) {
+std::vector<Vec3> counted(const BedParameters& bed) {
   const auto particles = static_cast<std::size_t>(bed.particles);
   const Lattice lattice = squeezedToHold(bed, particles);
   std::vector<Vec3> centres = stacked(bed, lattice, bed.layers);
@@ -223,7 +223,7 @@ std::vector<Vec3> startingCentres(const BedParameters& bed) {
   switch (bed.start) {
     case BedStart::kPacked: return packed(bed);
     case BedStart::kRain: return rained(bed);
-    case BedStart::kCount: return pluralise(bed);
+    case BedStart::kCount: return counted(bed);
     case BedStart::kSettled:
     case BedStart::kGiven: break;
   }

@@ -75,8 +75,8 @@ Vec3 beyond(double half_width_m, const Vec3& moved_m) noexcept {
   return half_width_m > 0 ? Vec3(moved_m - moved_m.cwiseMin(half_width_m).cwiseMax(-half_width_m)) : moved_m;
 }
 
-/// The mean of the last three movements, axis by axis; none where only one of them is any, as when a device that moves
-/// slowly tells a single step now and then.
+/// Returns the mean of the last three movements, axis by axis; zero where only one of the three is not zero, since a
+/// slow device reports single steps.
 Vec3 meanWithoutSingleSteps(const std::array<Vec3, 3>& moved_m) noexcept {
   Vec3 mean_m;
   for (int axis = 0; axis < 3; ++axis) {

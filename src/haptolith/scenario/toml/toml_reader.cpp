@@ -514,7 +514,7 @@ std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
 fs::path TomlReader::besideFile(const Place& place) const {
   const fs::path folder = isOverride(place.node) ? fs::path() : path_.parent_path();
   fs::path path = folder / text(place, TextSize::kPath);
-  std::error_code ignored;  // a name that no file can have is none
+  std::error_code ignored;  // such as a name that is too long for any file
   if (!fs::is_regular_file(path, ignored)) {
     throw ScenarioError(located(place.node, fmt::format("{} = {}: no such file", fullName(place.key), path.string())),
                         lineOfNode(place.node), {dotted(place.key), path.string(), "a file"});

@@ -545,7 +545,7 @@ ProtocolText findProtocol(std::string_view name_or_file) {
     }
   }
   const fs::path path(name_or_file);
-  std::error_code ignored;  // a name that no file can have is none
+  std::error_code ignored;  // such as a name that is too long for any file
   if (!fs::is_regular_file(path, ignored)) {
     throw InvalidParameter("protocol", fmt::format("'{}'", name_or_file),
                            fmt::format("{}, or a protocol file (docs/studies.md)", fmt::join(protocolNames(), ", ")));
