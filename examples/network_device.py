@@ -23,7 +23,7 @@ DEVICE = struct.Struct("<4sHHIIQ 3d4d3d3d d")
 ANSWER = struct.Struct("<4sHHIIQ 3d3d d")
 VERSION = 1
 HELD = 1  # flags of what is sent: the dead-man switch is held
-LIVE, LET_GO = 1, 2  # flags of the answer
+LIVE, TRIPPED = 1, 2  # flags of the answer
 NONCE_BYTES = TAG_BYTES = 16  # of signed packets
 NO_NONCE = bytes(NONCE_BYTES)
 FORGET_NONCE_S = 0.5  # without an answer: somebody else may have had the tool since
@@ -130,7 +130,7 @@ def main():
             round_trip_ms = (time.monotonic_ns() - sent_ns) / 1e6
             if now - last_print > 0.1:
                 last_print = now
-                state = "let go" if flags & LET_GO else "live" if flags & LIVE else "not held"
+                state = "tripped" if flags & TRIPPED else "live" if flags & LIVE else "not held"
                 print(f"force {fx:7.3f} {fy:7.3f} {fz:7.3f} N  round trip {round_trip_ms:6.2f} ms  {state}", flush=True)
         # A program that shows force to a hand would also make it zero here when no answer has come for 20 ms.
         time.sleep(0.001)

@@ -24,13 +24,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace haptolith;
   const std::span bytes(data, size);
   if (const auto command = parseCommand(bytes)) {
-    for (const CommandKey& key : command->keys) {
+    for (const Keyframe& key : command->keyframes) {
       require(key.hand.pose.position_m.allFinite() && key.hand.pose.position_m.cwiseAbs().maxCoeff() <= 10);
       require(std::abs(key.hand.pose.orientation.norm() - 1) < 1e-12);
       require(key.hand.opening >= 0 && key.hand.opening <= 1);
     }
     const auto again = parseCommand(bytesOf(*command));
-    require(again && again->keys.size() == command->keys.size() && again->number == command->number);
+    require(again && again->keyframes.size() == command->keyframes.size() && again->number == command->number);
   }
   if (const auto state = parseState(bytes)) {
     for (const RobotReport& report : state->reports) {

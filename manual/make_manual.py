@@ -51,6 +51,7 @@ def text_of(comment: str) -> str:
 
 def items_of(header: str) -> list[tuple[str, str]]:
     """(comment, declaration) one after the other; a section is a comment "/* --- name --- */" without one."""
+    header = re.sub(r"HAPTO_RENAMED\((.*), .*\);", r"\1;", header)  # by their new names
     body = header.split('extern "C" {', 1)[1].split("#ifdef __cplusplus", 1)[0].split("#endif", 1)[1]
     found: list[tuple[str, str]] = []
     comment = ""

@@ -143,8 +143,8 @@ std::string outcomeOf(Scenario scenario, int ticks) {
     records.clear();
     loop.takeRecords(records);
     for (const TickRecord& record : records) {
-      fold(record.felt.wrench.force_n.data(), sizeof(double) * 3);
-      fold(record.felt.wrench.torque_nm.data(), sizeof(double) * 3);
+      fold(record.sent.wrench.force_n.data(), sizeof(double) * 3);
+      fold(record.sent.wrench.torque_nm.data(), sizeof(double) * 3);
     }
   }
   const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();

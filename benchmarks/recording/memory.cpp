@@ -45,7 +45,7 @@ TickRecord tickNumber(std::uint64_t n) {
   tick.time_s = static_cast<double>(n) / kTicksPerS;
   tick.device.pose.position_m = Vec3(std::sin(tick.time_s), std::cos(1.3 * tick.time_s), std::sin(0.7 * tick.time_s));
   tick.scene_T_tool = tick.device.pose;
-  tick.felt.wrench.force_n = 10 * tick.device.pose.position_m;
+  tick.sent.wrench.force_n = 10 * tick.device.pose.position_m;
   tick.state_hash = n * 0x9E37'79B9'7F4A'7C15;
   return tick;
 }

@@ -186,11 +186,11 @@ StabilityResult measureStability(const BedParameters& bed, const LyingSoil& lyin
     records.clear();
     loop.takeRecords(records);
     if (!records.empty() && records.back().rendered.wrench.force_n.norm() > 0.5) {
-      device.result.softest = std::min(device.result.softest, records.back().felt.wrench.force_n.norm() /
+      device.result.softest = std::min(device.result.softest, records.back().sent.wrench.force_n.norm() /
                                                                   records.back().rendered.wrench.force_n.norm());
     }
     if (tick >= kTicks - 1000 && !records.empty()) {
-      last_n.push_back(records.back().felt.wrench.force_n);
+      last_n.push_back(records.back().sent.wrench.force_n);
     }
     damped += static_cast<std::size_t>(
         std::ranges::count_if(records, [](const TickRecord& r) { return (r.flags & kTickPassivityDamped) != 0; }));

@@ -171,7 +171,7 @@ Seen inTheHand(const Place& place, Manoeuvre manoeuvre) {
     if (loop.tick() != LoopEnd::kRunning) {
       throw Failure("the loop has ended");
     }
-    if (tick % (50 * place.ticks_per_ms) == 0 && scene.felt().wrench.force_n.norm() > 0) {
+    if (tick % (50 * place.ticks_per_ms) == 0 && scene.soilWrench().force_n.norm() > 0) {
       seen.look(scene.bed(), &scene.tool(), scene.toolPose());
     }
   }
@@ -203,7 +203,7 @@ Seen pressedWith(const Place& place, const Pressing& pressing) {
       throw Failure("the bed is no longer sound");
     }
     double& speed = hand.twist.linear_m_s.z();
-    speed += tick_s / kMass_kg * (scene.felt().wrench.force_n.z() - pressing.force_n - kDamping_n_s_m * speed);
+    speed += tick_s / kMass_kg * (scene.soilWrench().force_n.z() - pressing.force_n - kDamping_n_s_m * speed);
     hand.pose.position_m.z() += tick_s * speed;
     if (tick % (50 * place.ticks_per_ms) == 0) {
       seen.look(scene.bed(), &scene.tool(), scene.toolPose());

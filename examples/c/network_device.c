@@ -94,13 +94,13 @@ int main(int argc, char **argv) {
       ++answers;
       strongest_n = fmax(strongest_n, sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]));
     } else if (now - answered > HAPTO_NETWORK_SILENCE_MS * 1000000u) {
-      memset(&answer, 0, sizeof answer); /* a device that pushes a hand must let go of it here */
+      memset(&answer, 0, sizeof answer); /* a device that pushes a hand must be sent zero force here */
     }
     if (got && now - printed > 100000000) {
       printed = now;
       printf("force %7.3f %7.3f %7.3f N  round trip %6.2f ms  %s\n", f[0], f[1], f[2],
              (double)(now_ns() - answer.sender_time) * 1e-6,
-             answer.flags & HAPTO_NETWORK_LET_GO ? "let go" : answer.flags & HAPTO_NETWORK_LIVE ? "live" : "not held");
+             answer.flags & HAPTO_NETWORK_TRIPPED ? "tripped" : answer.flags & HAPTO_NETWORK_LIVE ? "live" : "not held");
     }
     nanosleep(&tick, NULL);
   }

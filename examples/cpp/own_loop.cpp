@@ -31,7 +31,7 @@ int main() try {
     const hapto_wrench shown = safety.step(told, soil);  // to your device
     strongest_n = std::fmax(strongest_n, shown.force_n[2]);
   }
-  std::printf("strongest force shown: %.3f N; let go %u time(s)\n", strongest_n, safety.info().trips);
+  std::printf("strongest force shown: %.3f N; %u trip(s)\n", strongest_n, safety.info().trips);
   return 0;
 } catch (const hapto::Error &error) {
   std::fprintf(stderr, "%s\n", error.what());

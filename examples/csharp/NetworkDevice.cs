@@ -20,7 +20,7 @@ static class NetworkDevice
     const int PacketBytes = 136, AnswerBytes = 80;
     const ushort Version = 1;
     const ushort Held = 1;                // flags of what is sent: the dead-man switch
-    const ushort Live = 1, LetGo = 2;     // flags of answers
+    const ushort Live = 1, Tripped = 2;     // flags of answers
     const double Silence_ms = 20;         // without answers a hand must feel nothing
     const double Radius_m = 0.02;
     const double Turn_rad_s = Math.PI / 2;
@@ -32,7 +32,7 @@ static class NetworkDevice
         public double X_n, Y_n, Z_n;
 
         public double Strength_n { get { return Math.Sqrt(X_n * X_n + Y_n * Y_n + Z_n * Z_n); } }
-        public string State { get { return (Flags & LetGo) != 0 ? "let go" : (Flags & Live) != 0 ? "live" : "not held"; } }
+        public string State { get { return (Flags & Tripped) != 0 ? "tripped" : (Flags & Live) != 0 ? "live" : "not held"; } }
     }
 
     // Where the tool is after t_s and how fast. BinaryWriter is little-endian on every machine.
@@ -124,7 +124,7 @@ static class NetworkDevice
                     }
                     else if (now_ms - answered_ms > Silence_ms)
                     {
-                        felt = new Answer(); // a device that pushes a hand must let go of it here
+                        felt = new Answer(); // a device that pushes a hand must be sent zero force here
                     }
                     if (answer != null && now_ms - printed_ms > 100)
                     {

@@ -102,7 +102,7 @@ func hold_tool(_nothing):
 			force_n = felt_n
 			strongest_n = max(strongest_n, felt_n.length())
 		elif t_s * 1000 - answered_ms > SILENCE_MS:
-			force_n = Vector3()  # a device that pushes a hand must let go of it here
+			force_n = Vector3()  # a device that pushes a hand must be sent zero force here
 		lock.unlock()
 		OS.delay_usec(1000)
 	lock.lock()

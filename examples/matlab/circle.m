@@ -29,7 +29,7 @@ while toc(start) < seconds
     answers = answers + 1;
     strongest_n = max(strongest_n, norm(force_n));
   end
-  if t_s - answered_s > 0.02, force_n = [0 0 0]; end      % a device that pushes a hand must let go of it here
+  if t_s - answered_s > 0.02, force_n = [0 0 0]; end      % a device that pushes a hand must be sent zero force here
   if t_s - printed_s > 0.1
     printed_s = t_s;
     fprintf('force %7.3f %7.3f %7.3f N\n', force_n);

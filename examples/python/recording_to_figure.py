@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws what a hand felt, and how high the soil lies at the end: recording_to_figure.py RUN.h5 FIGURE.png
+"""Draws the device wrench, and how high the soil lies at the end: recording_to_figure.py RUN.h5 FIGURE.png
 
 Make a recording with: haptolith run paper --hand scoop --unpaced --duration-s 8 --record run.h5"""
 
@@ -25,7 +25,7 @@ with Recording(file) as recording:
 
 figure, (force, soil) = plt.subplots(2, figsize=(7, 6), layout="constrained")
 for axis, name in enumerate(("to the right", "away", "upwards")):
-    force.plot(ticks["time_s"], ticks["felt"]["force_n"][:, axis], linewidth=1, label=name)
+    force.plot(ticks["time_s"], ticks["device_wrench"]["force_n"][:, axis], linewidth=1, label=name)
 force.set(xlabel="time / s", ylabel="force at the device / N", title=title)
 force.legend()
 
@@ -35,4 +35,4 @@ soil.scatter(1e3 * slab[:, 0], 1e3 * slab[:, 2], s=60, color="tab:brown", edgeco
 soil.set(xlabel="x / mm", ylabel="height / mm", title="centres of the grains in the middle 40 mm, at the end")
 soil.set_aspect("equal")
 figure.savefig(picture, dpi=150)
-print(f"{len(ticks)} ticks, {np.abs(ticks['felt']['force_n']).max():.1f} N at most")
+print(f"{len(ticks)} ticks, {np.abs(ticks['device_wrench']['force_n']).max():.1f} N at most")

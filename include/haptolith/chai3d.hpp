@@ -141,9 +141,9 @@ inline hapto_twist between(const hapto_twist &from, const hapto_twist &to, doubl
 }
 
 /// Where particles are, from the haptic thread to the one that draws. Neither waits for the other.
-class ParticlePicture {
+class ParticleSnapshot {
  public:
-  /// Before anybody steps the scene: the first picture. False: there is no such scene.
+  /// Call before the first step: takes the first snapshot. False if there is no such scene.
   bool begin(const hapto_scene *scene) {
     hapto_array now = hapto_array();
     now.size = sizeof now;
@@ -158,7 +158,7 @@ class ParticlePicture {
     return true;
   }
 
-  /// Haptic thread, after a tick: copies some of the next picture once the last one has been taken.
+  /// Haptic thread, after a tick: copies some of the next snapshot once the last one has been taken.
   void copySome(const hapto_scene *scene) {
     const std::size_t kAtOnce = 4096;
     const std::size_t count = buffers_[0].size() / 3;
@@ -178,7 +178,7 @@ class ParticlePicture {
     }
   }
 
-  /// Thread that draws: x y z of each particle, or null when there is no newer picture. Valid until the next call.
+  /// Thread that draws: x y z of each particle, or null when there is no newer snapshot. Valid until the next call.
   const std::vector<float> *take() {
     if ((middle_.load(std::memory_order_acquire) & kNew) == 0) {
       return nullptr;
@@ -209,7 +209,7 @@ class ParticlePicture {
 /// What a bed and its tool share, for as long as either lives.
 struct SoilLink {
   hapto_scene *scene = nullptr;
-  ParticlePicture picture;
+  ParticleSnapshot snapshot;
   std::atomic<bool> placed{false};  // whether the frame is known
   chai3d::cVector3d world_P_scene_m;
   chai3d::cMatrix3d world_R_scene;
@@ -226,7 +226,7 @@ class cHaptolithBed : public chai3d::cMultiPoint {
     link_->scene = scene;
     hapto_scene_info info = hapto_scene_info();
     info.size = sizeof info;
-    if (hapto_scene_get_info(scene, &info) == HAPTO_OK && link_->picture.begin(scene)) {
+    if (hapto_scene_get_info(scene, &info) == HAPTO_OK && link_->snapshot.begin(scene)) {
       surface_m_ = info.surface_m;
       updateFromScene();
     }
@@ -240,11 +240,11 @@ class cHaptolithBed : public chai3d::cMultiPoint {
 
   /// The newest particles of a tool's scene; whether there were any. Drawing calls it: only for who draws otherwise.
   bool updateFromScene() {
-    const std::vector<float> *const picture = link_->picture.take();
-    if (picture != nullptr) {
-      setPoints(picture->data(), picture->size() / 3, 3 * sizeof(float));
+    const std::vector<float> *const snapshot = link_->snapshot.take();
+    if (snapshot != nullptr) {
+      setPoints(snapshot->data(), snapshot->size() / 3, 3 * sizeof(float));
     }
-    return picture != nullptr;
+    return snapshot != nullptr;
   }
   /// The particles of a loop's snapshot, from the thread that takes snapshots.
   bool updateFromSnapshot(const hapto_snapshot &snapshot) {
@@ -297,7 +297,7 @@ class cHaptolithBed : public chai3d::cMultiPoint {
 };
 
 /// The scene's tool in CHAI3D's loop, which may turn at any rate: ticks of the soil come at whole milliseconds, with the hand
-/// where it was then; between them the force follows the contact stiffness. What is felt passes through haptolith's safety
+/// where it was then; between them the force follows the contact stiffness. The force passes through haptolith's safety
 /// layer. One tool has a scene; nobody else may use the scene while it is in the loop.
 class cHaptolithTool : public chai3d::cGenericTool {
  public:
@@ -324,7 +324,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     has_own_limits_ = true;
     prepared_ = false;
   }
-  /// Keys of [safety], "safety.max_force_n=6", and the stiffness of what is softest: grains, or the tool's contact.
+  /// Keys of [safety], "safety.max_force_n=6", and the stiffness of the softest contact, of the soil or of the tool.
   void setSafetyParameters(const std::vector<std::string> &overrides, double softest_spring_n_m = 100) {
     overrides_ = overrides;
     softest_spring_n_m_ = softest_spring_n_m;
@@ -389,10 +389,11 @@ class cHaptolithTool : public chai3d::cGenericTool {
 
   std::uint64_t getTicks() const { return ticks_.load(std::memory_order_relaxed); }
   /// Why the hand feels nothing just now; "" when it does.
-  const char *getLetGoReason() const { return reason_.load(std::memory_order_relaxed); }
+  const char *getTripReason() const { return reason_.load(std::memory_order_relaxed); }
+  const char *getLetGoReason() const { return getTripReason(); }  ///< deprecated: getTripReason()
   /// Where the tool was in the last tick, scene frame, and what the soil did to it. Haptic thread.
   const hapto_pose &getScenePose() const { return tool_; }
-  const hapto_wrench &getSceneWrench() const { return felt_; }
+  const hapto_wrench &getSceneWrench() const { return soil_wrench_; }
 
  private:
   /// What the device tells, in its own frame, and what it means in the scene's.
@@ -472,7 +473,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     return hand;
   }
 
-  /// Numbers, and no faster than a hand: what the safety layer would refuse only after the soil has felt it.
+  /// Numbers, and no faster than a hand: what the safety layer would refuse only after it has moved the soil.
   bool isPlausible(const Hand &hand, double elapsed_s) const {
     const double fastest_m_s = 10;
     return detail::isFinite(hand.device, hand.device_twist) && detail::isFinite(hand.scene, hand.scene_twist) &&
@@ -486,7 +487,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     const double since_s = since_tick_s_;
     const bool odd = odd_;
     const char *const why = odd ? oddReason() : m_forceOn ? "" : "forces are off";
-    if (elapsed_s > longest_silence_s) {  // time that nobody has felt is not made up for
+    if (elapsed_s > longest_silence_s) {  // missed time is not made up for
       since_tick_s_ = 0;
       odd_ = false;
       tick(hand, true, odd ? why : "the loop did not answer in time", odd);
@@ -512,7 +513,8 @@ class cHaptolithTool : public chai3d::cGenericTool {
     return hand;
   }
 
-  /// One tick of the soil. why: not "" when the hand has to be let go whatever it tells. odd: because of what it tells.
+  /// One tick of the soil. why: not "" when the force has to be zero whatever the device reports. odd: because of
+  /// what it reports.
   void tick(const Hand &hand, bool late, const char *why, bool odd) {
     const std::int32_t status = moveTool(hand, *why == '\0' && !tripped_);
     if (status != HAPTO_OK && *why == '\0') {
@@ -531,7 +533,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
       place_ = true;
       fade_ = use_safety_ && limits_.simulated == 0 ? 0 : 1;
     }
-    link_->picture.copySome(link_->scene);
+    link_->snapshot.copySome(link_->scene);
     ticks_.fetch_add(1, std::memory_order_relaxed);
   }
 
@@ -558,7 +560,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
       hapto_scene_set_opening(scene, hand.open);
     }
     const hapto_twist *const twist = follow && use_device_velocity_ ? &hand.scene_twist : nullptr;
-    const std::int32_t status = hapto_scene_step(scene, follow ? &hand.scene : &tool_, twist, &felt_);
+    const std::int32_t status = hapto_scene_step(scene, follow ? &hand.scene : &tool_, twist, &soil_wrench_);
     if (status == HAPTO_OK && follow) {
       tool_ = hand.scene;
     }
@@ -601,8 +603,8 @@ class cHaptolithTool : public chai3d::cGenericTool {
   /// The soil's wrench on the tool, in the device's frame. Levers in the hand are as much shorter as movements are.
   hapto_device_output toDevice() const {
     hapto_device_output output = nothing();
-    detail::put(force_scale_ * toDevice(felt_.force_n), output.wrench.force_n);
-    detail::put(force_scale_ / m_workspaceScaleFactor * toDevice(felt_.torque_nm), output.wrench.torque_nm);
+    detail::put(force_scale_ * toDevice(soil_wrench_.force_n), output.wrench.force_n);
+    detail::put(force_scale_ / m_workspaceScaleFactor * toDevice(soil_wrench_.torque_nm), output.wrench.torque_nm);
     hapto_scene_get_grip_force(link_->scene, &output.gripper_force_n);
     output.gripper_force_n *= force_scale_;
     return output;
@@ -680,7 +682,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
   double fade_ = 1;              // how much of the tool is there: its square root
   const char *why_ = "";
   hapto_pose tool_ = hapto_pose();  // in the last tick, scene frame
-  hapto_wrench felt_ = hapto_wrench();
+  hapto_wrench soil_wrench_ = hapto_wrench();
   hapto_device_output rendered_ = nothing(), shown_ = nothing();  // before and after the safety layer, device's frame
   std::atomic<std::uint64_t> ticks_{0};
   std::atomic<const char *> reason_{""};
@@ -705,8 +707,8 @@ class cHaptolithLoop {
     own.limits = limits != nullptr ? *limits : limitsOf(device_->m_specifications);
     own.read = [](void *user, hapto_device_input *out) { static_cast<cHaptolithLoop *>(user)->read(*out); };
     own.write = [](void *user, const hapto_device_output *force) { static_cast<cHaptolithLoop *>(user)->write(*force); };
-    own.let_go = [](void *user) { static_cast<cHaptolithLoop *>(user)->letGo(); };
-    own.take_up = [](void *user) { static_cast<cHaptolithLoop *>(user)->let_go_.store(false); };
+    own.release_force = [](void *user) { static_cast<cHaptolithLoop *>(user)->releaseForce(); };
+    own.resume_force = [](void *user) { static_cast<cHaptolithLoop *>(user)->released_.store(false); };
     turns_ = own.limits.turns != 0;
     gripper_rad_ = own.limits.grips != 0 ? device_->m_specifications.m_gripperMaxAngleRad : 0;
     status_ = hapto_loop_create(scene, &own, flags, &loop_);
@@ -716,7 +718,7 @@ class cHaptolithLoop {
       hapto_loop_destroy(loop_);
     }
     if (device_ != nullptr) {
-      letGo();
+      releaseForce();
     }
   }
   cHaptolithLoop(const cHaptolithLoop &) = delete;
@@ -729,7 +731,7 @@ class cHaptolithLoop {
   std::int32_t stop() { return hapto_loop_stop(loop_); }
   /// For all else that a loop can do; null when there is none.
   hapto_loop *get() const { return loop_; }
-  /// Draws the loop's soil: from the thread that draws, once a picture. The bed was made before the loop.
+  /// Draws the loop's soil: from the thread that draws, once a frame. The bed was made before the loop.
   bool draw(cHaptolithBed &bed) {
     hapto_snapshot now = hapto_snapshot();
     now.size = sizeof now;
@@ -770,15 +772,15 @@ class cHaptolithLoop {
     told.buttons = switches;
   }
   void write(const hapto_device_output &force) {
-    if (!let_go_.load() && enter()) {
+    if (!released_.load() && enter()) {
       device_->setForceAndTorqueAndGripperForce(detail::vectorOf(force.wrench.force_n),
                                                 detail::vectorOf(force.wrench.torque_nm), force.gripper_force_n);
       leave();
     }
   }
   /// From any thread. A thread that is inside the device shows zero on its way out.
-  void letGo() {
-    let_go_.store(true);
+  void releaseForce() {
+    released_.store(true);
     showZero();
   }
   void showZero() {
@@ -790,7 +792,7 @@ class cHaptolithLoop {
   bool enter() { return !in_device_.exchange(true); }
   void leave() {
     in_device_.store(false);
-    if (let_go_.load()) {
+    if (released_.load()) {
       showZero();
     }
   }
@@ -800,7 +802,7 @@ class cHaptolithLoop {
   std::int32_t status_ = HAPTO_OK;
   bool turns_ = false;
   double gripper_rad_ = 0;
-  std::atomic<bool> in_device_{false}, let_go_{false};
+  std::atomic<bool> in_device_{false}, released_{false};
 };
 
 }  // namespace hapto

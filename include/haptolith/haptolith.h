@@ -45,6 +45,13 @@
 #define HAPTO_API
 #endif
 
+/* A member that has been renamed: its old name is deprecated and goes with the next minor version. */
+#if defined(__GNUC__)
+#define HAPTO_RENAMED(now, was) __extension__ union { now; was; }
+#else
+#define HAPTO_RENAMED(now, was) union { now; was; }
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -170,10 +177,10 @@ typedef struct hapto_scene_info {
   uint64_t awake;     /* that were worked on in the last tick, in whole groups of 16 */
   uint64_t steps;     /* substeps since the soil was made */
   double tick_s;      /* what a step advances time by */
-  double radius_m;    /* of a macroparticle */
+  double radius_m;    /* of a particle */
   double mass_kg;     /* of one of that radius */
   double width_m, length_m;  /* of the box, along x and y */
-  double surface_m;          /* height of the highest grain's top above the floor */
+  double surface_m;          /* height of the topmost particle's top above the floor */
   double opening_m;          /* between the tool's jaws */
   double tool_fade;          /* 1: the tool touches the soil with all its stiffness */
   double energy_j;           /* kinetic, gravitational and of contacts; gravity's zero is the origin */
@@ -220,7 +227,7 @@ HAPTO_API int32_t hapto_scene_set_tool_fade(hapto_scene *scene, double share);
 HAPTO_API int32_t hapto_scene_set_gravity(hapto_scene *scene, const double m_s2[3]);
 
 /* Changes soil, gravity or tool of the soil as it lies, by overrides: "gravity.body=Mars", "tool.diameter_mm=40".
- * HAPTO_INVALID_PARAMETER when that needs another bed: another size of grain, more steps in a tick, any other table. */
+ * HAPTO_INVALID_PARAMETER when that needs another bed: another particle radius, more steps in a tick, any other table. */
 HAPTO_API int32_t hapto_scene_change(hapto_scene *scene, const char *const *overrides, uint32_t count);
 
 enum {
@@ -229,7 +236,7 @@ enum {
   HAPTO_RADIUS = 3,       /* m, HAPTO_FLOAT32; copy */
   HAPTO_ASLEEP = 4,       /* 1: not worked on, since nothing near it moves; HAPTO_UINT8; copy */
   HAPTO_HELD = 5,         /* 1: stands for ever where a box of settled soil ends; HAPTO_UINT8; copy */
-  HAPTO_CONTACT_LOAD = 6, /* N, how hard its neighbours press it: a picture of force chains; HAPTO_FLOAT32; copy */
+  HAPTO_CONTACT_LOAD = 6, /* N, how hard its neighbours press it: shows force chains; HAPTO_FLOAT32; copy */
   HAPTO_FIELDS = 6
 };
 /* Particles where they are, without copy. The numbers change, and the address too, with every step: fetch the view again
@@ -275,7 +282,7 @@ HAPTO_API int32_t hapto_soil_get_toml(const hapto_soil *soil, char *text, uint64
  * density_kg_m3. */
 HAPTO_API int32_t hapto_soil_profile(const hapto_soil *soil, double gravity_m_s2, double depth_m, hapto_result **out);
 
-/* Finds the contacts of macroparticles whose sheared bed is as an engineer measured (docs/laboratory.md); takes minutes.
+/* Finds contact parameters with which a sheared bed matches measured values (docs/laboratory.md); takes minutes.
  * target  "friction_angle_deg = 42\ncohesion_pa = 520\nbulk_density_kg_m3 = 1500" in TOML, and if need be strength ("residual" or
  *         "peak"), density ("lunar", more of it deeper, or "constant"), radius_mm, stiffness_n_m, body or gravity_m_s2, seed,
  *         threads, specimens, name, source.
@@ -335,7 +342,7 @@ typedef struct hapto_device_input { /* the handle, device frame */
   uint32_t buttons;    /* bit n: button n is down */
   uint32_t reserved;
 } hapto_device_input;
-typedef struct hapto_device_output { /* what the hand is to feel, device frame, about the handle's origin */
+typedef struct hapto_device_output { /* device wrench: device frame, about the handle's origin */
   uint32_t size;
   uint32_t reserved;
   hapto_wrench wrench;
@@ -343,8 +350,8 @@ typedef struct hapto_device_output { /* what the hand is to feel, device frame, 
 } hapto_device_output;
 
 /* A device of the caller's. read and write are called once a tick, in that order, from the loop's thread: they must not
- * wait, lock, allocate or throw. let_go and take_up may be NULL; let_go means zero force at once and from now on, may come
- * from any thread, and is taken back by take_up. */
+ * wait, lock, allocate or throw. release_force and resume_force may be NULL. release_force means zero force at once and from
+ * now on, and may come from any thread; resume_force ends it. */
 typedef struct hapto_device {
   uint32_t size;
   uint32_t reserved;
@@ -353,8 +360,8 @@ typedef struct hapto_device {
   hapto_device_limits limits;
   void (*read)(void *user, hapto_device_input *out); /* `out` is as the call before left it, state live */
   void (*write)(void *user, const hapto_device_output *force);
-  void (*let_go)(void *user);
-  void (*take_up)(void *user);
+  HAPTO_RENAMED(void (*release_force)(void *user), void (*let_go)(void *user));
+  HAPTO_RENAMED(void (*resume_force)(void *user), void (*take_up)(void *user));
 } hapto_device;
 
 /* A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
@@ -369,13 +376,13 @@ enum {
   HAPTO_LOOP_HASHES = 4            /* ticks hold hashes of the soil, of a part of it each */
 };
 /* Runs it on a thread of its own, in step with the clock, with real-time priority and the process's memory locked where the
- * system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog lets
- * go of a person's hand when 4 ms pass without a tick (safety.heartbeat_ms). */
+ * system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog sets the
+ * force on a person's hand to zero when 4 ms pass without a tick (safety.heartbeat_ms). */
 HAPTO_API int32_t hapto_loop_start(hapto_loop *loop);
-/* One tick. late: whether the one before ended late (1). There is no watchdog: the caller has to let go of the device when it
- * does not come round. HAPTO_ENDED when it was the last. [1 kHz] */
+/* One tick. late: whether the one before ended late (1). There is no watchdog: the caller has to set the device's force to zero when it
+ * cannot tick. HAPTO_ENDED when it was the last. [1 kHz] */
 HAPTO_API int32_t hapto_loop_tick(hapto_loop *loop, int32_t late);
-/* Ends a started loop: a person's hand is let go softly, and the thread has ended on return. */
+/* Ends a started loop: the force on a person's hand fades, and the thread has ended on return. */
 HAPTO_API int32_t hapto_loop_stop(hapto_loop *loop);
 /* Stops it, if need be, and gives the scene back, with all changes that were asked for and a tool that is wholly there. */
 HAPTO_API int32_t hapto_loop_destroy(hapto_loop *loop);
@@ -384,7 +391,7 @@ typedef struct hapto_snapshot {
   uint32_t size;
   int32_t running;    /* 0: not started, or ended */
   const char *end;    /* why it ended, in words; "" while it runs */
-  const char *trip;   /* why the hand feels nothing just now; "" when it does */
+  const char *trip;   /* safety trip: why the force is zero; "" when it is not */
   uint32_t trips;     /* so far */
   int32_t paused;
   uint64_t ticks, deadline_misses, awake;
@@ -402,14 +409,14 @@ typedef struct hapto_snapshot {
   hapto_wrench soil_wrench;   /* of the last tick: of the soil on the tool, about its origin, scene frame, unfiltered */
   hapto_wrench device_wrench; /* of the last tick: sent to the device, about the handle's origin, device frame */
 } hapto_snapshot;
-/* The newest picture, some 60 a second; may be called beside a running loop, from one thread. Valid until the next call.
- * Before the first picture there are no positions. While time stands still the wrenches are those of the last tick, and the
+/* The newest snapshot, about 60 per second; may be called while the loop runs, from one thread. Valid until the next call.
+ * Before the first snapshot there are no positions. While time stands still the wrenches are those of the last tick, and the
  * device is sent zero. */
 HAPTO_API int32_t hapto_loop_snapshot(hapto_loop *loop, hapto_snapshot *out);
 
-/* Why the safety layer makes the hand feel nothing (docs/safety.md). */
+/* Safety trips: why the safety layer sets the force to zero (docs/safety.md). */
 enum {
-  HAPTO_TRIP_NONE = 0,              /* it does not */
+  HAPTO_TRIP_NONE = 0,              /* no trip */
   HAPTO_TRIP_DEVICE_NOT_FINITE = 1, /* the device's pose or velocity is NaN or infinite */
   HAPTO_TRIP_STALE = 2,             /* no new reading from the device */
   HAPTO_TRIP_LOST = 3,              /* the device is gone */
@@ -433,7 +440,8 @@ enum {
   HAPTO_TICK_SOFT_STOP = 512,      /* the run was about to end */
   HAPTO_TICK_FAILED = 1024,        /* the run ended with it: device gone, hand away, or a bed that makes no sense */
   HAPTO_TICK_SOIL_ADJUSTED = 2048, /* soil and tool friction were changed a little: a model that learns */
-  HAPTO_TICK_GRAIN_MOVED = 4096    /* a grain was put elsewhere: a model's surface that is corrected */
+  HAPTO_TICK_PARTICLE_MOVED = 4096, /* a particle was moved: a model's surface that is corrected */
+  HAPTO_TICK_GRAIN_MOVED = 4096    /* deprecated: HAPTO_TICK_PARTICLE_MOVED */
 };
 
 /* One tick, as recordings hold it (docs/recording.md). */
@@ -449,11 +457,11 @@ typedef struct hapto_tick {
   hapto_twist device_twist;    /* of the handle, device frame */
   double gripper_open;
   hapto_pose scene_T_tool;
-  hapto_wrench soil;           /* soil wrench: about the tool's origin, scene frame, unfiltered */
+  HAPTO_RENAMED(hapto_wrench soil_wrench, hapto_wrench soil); /* of the soil on the tool, about its origin, scene frame, unfiltered */
   hapto_wrench rendered;       /* what the device would be sent without the safety layer, about the handle's origin, device frame */
   double rendered_gripper_n;   /* > 0 opens the fingers */
-  hapto_wrench felt;           /* device wrench: what it was sent, about the handle's origin, device frame */
-  double felt_gripper_n;       /* what the gripper was sent; > 0 opens the fingers */
+  HAPTO_RENAMED(hapto_wrench device_wrench, hapto_wrench felt); /* sent to the device, about the handle's origin, device frame */
+  HAPTO_RENAMED(double device_gripper_n, double felt_gripper_n); /* sent to the gripper; > 0 opens the fingers */
   double injected_j;           /* energy that the hand was given beyond what it gave */
   double quick_injected_j;     /* the same by the quick account (docs/safety.md) */
   double tick_us, late_us;     /* work of this tick, and how late it began */
@@ -493,7 +501,7 @@ typedef struct hapto_safety_info {
   uint32_t trips;     /* so far */
   uint32_t flags;     /* of the last step: HAPTO_SAFETY_... */
   uint32_t reserved;
-  const char *trip;   /* why the hand feels nothing just now; "" when it does */
+  const char *trip;   /* safety trip: why the force is zero; "" when it is not */
   double injected_j;  /* energy that the hand was given beyond what it gave */
 } hapto_safety_info;
 enum { /* explained at HAPTO_TICK_... */

@@ -376,11 +376,13 @@ class Device {
   virtual void declare(hapto_device_limits &limits) const noexcept = 0;
   /// The handle now, device frame.
   virtual void read(hapto_device_input &told) noexcept = 0;
-  /// What the hand is to feel, device frame.
+  /// Takes the device wrench, device frame.
   virtual void write(const hapto_device_output &force) noexcept = 0;
-  /// From any thread: zero force at once and until takeUp().
-  virtual void letGo() noexcept {}
-  virtual void takeUp() noexcept {}
+  /// From any thread: zero force at once and until resumeForce().
+  virtual void releaseForce() noexcept { letGo(); }      // the deprecated name still works
+  virtual void resumeForce() noexcept { takeUp(); }  // the deprecated name still works
+  virtual void letGo() noexcept {}   ///< deprecated: releaseForce()
+  virtual void takeUp() noexcept {}  ///< deprecated: resumeForce()
 };
 
 /// A scene and a device, joined at 1 kHz; both must outlive it.
@@ -398,8 +400,8 @@ class Loop {
     device.declare(own.limits);
     own.read = [](void *user, hapto_device_input *told) { static_cast<Device *>(user)->read(*told); };
     own.write = [](void *user, const hapto_device_output *force) { static_cast<Device *>(user)->write(*force); };
-    own.let_go = [](void *user) { static_cast<Device *>(user)->letGo(); };
-    own.take_up = [](void *user) { static_cast<Device *>(user)->takeUp(); };
+    own.release_force = [](void *user) { static_cast<Device *>(user)->releaseForce(); };
+    own.resume_force = [](void *user) { static_cast<Device *>(user)->resumeForce(); };
     create(scene, &own, ticked, ticks);
   }
   /// With the device that the scene names, a virtual hand by default.

@@ -36,7 +36,8 @@ extern "C" {
 
 /* Flags of answers. */
 #define HAPTO_NETWORK_LIVE 1u   /* the sender is trusted: its packets are fresh and its switch is held */
-#define HAPTO_NETWORK_LET_GO 2u /* the watchdog or a crash has let go: forces are zero and stay so */
+#define HAPTO_NETWORK_TRIPPED 2u /* the watchdog or a crash has set the forces to zero, and they stay so */
+#define HAPTO_NETWORK_LET_GO HAPTO_NETWORK_TRIPPED /* deprecated */
 
 /* What is sent. */
 typedef struct hapto_network_packet {
@@ -57,7 +58,7 @@ typedef struct hapto_network_packet {
 typedef struct hapto_network_answer {
   char magic[4];          /* HAPTO_NETWORK_ANSWER_MAGIC, without its 0 */
   uint16_t version;       /* HAPTO_NETWORK_VERSION */
-  uint16_t flags;         /* HAPTO_NETWORK_LIVE, HAPTO_NETWORK_LET_GO */
+  uint16_t flags;         /* HAPTO_NETWORK_LIVE, HAPTO_NETWORK_TRIPPED */
   uint32_t sequence;      /* of the newest packet that was taken */
   uint32_t number;        /* of this answer, one more with each */
   uint64_t sender_time;   /* the sender's, in that packet: now less this is the round trip */

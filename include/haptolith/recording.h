@@ -24,10 +24,10 @@ enum { HAPTO_RECORDER_OVERWRITE = 1 /* a file that is there; it stays as it is u
  * and of a scene that nobody has stepped or changed before, it can be run again and verified.
  * path          ends in ".h5". Threads of the recorder's write; what was taken is in the file within half a second, and a
  *               program that is killed leaves a file that can be read.
- * frames_per_s  pictures of all particles, 0 to 60. */
+ * frames_per_s  frames with all particles, 0 to 60. */
 HAPTO_API int32_t hapto_recorder_create(hapto_loop *loop, const char *path, double frames_per_s, uint32_t flags,
                                         hapto_recorder **out);
-/* Takes what is new: the ticks that wait, a picture when it is time for one, trips, the end. Call it every second or more often,
+/* Takes what is new: the ticks that wait, a frame when it is time for one, trips, the end. Call it every second or more often,
  * from the thread that takes snapshots of the loop, and before the loop is destroyed; it takes a snapshot itself.
  * HAPTO_FAILURE: the disk takes no more, and what is in the file stays. */
 HAPTO_API int32_t hapto_recorder_take(hapto_recorder *recorder);
@@ -42,7 +42,7 @@ typedef struct hapto_recorder_info { /* what is safe in the file */
   uint32_t reserved;
   uint64_t ticks, frames, events, bytes;
   uint64_t missing;         /* ticks that should be in it, and are not: they were not taken in time */
-  uint64_t frames_left_out; /* pictures that a slow disk did not take */
+  uint64_t frames_left_out; /* frames that a slow disk could not store */
 } hapto_recorder_info;
 HAPTO_API int32_t hapto_recorder_get_info(const hapto_recorder *recorder, hapto_recorder_info *out);
 /* Finishes it, if need be; it is destroyed whatever the status, which is that of finishing. */
@@ -81,7 +81,7 @@ typedef struct hapto_recorded_frame {
   uint64_t tick;
   uint64_t particles;
 } hapto_recorded_frame;
-/* A picture of all particles: what it is, and where they were, x y z in m of one after the other. `capacity` counts floats, three
+/* A frame: its description, and the positions of all particles, x y z in m of one after the other. `capacity` counts floats, three
  * for a particle; positions may be NULL with capacity 0, which gives HAPTO_OK and the numbers in `out`. */
 HAPTO_API int32_t hapto_recording_read_frame(const hapto_recording *recording, uint64_t index, hapto_recorded_frame *out,
                                              float *positions, uint64_t capacity);
@@ -92,7 +92,7 @@ typedef struct hapto_replay_report {
   uint64_t ticks;             /* run again */
   uint64_t hashes;            /* of the soil, that were compared */
   uint64_t different_tick;    /* the first that was not the same, from 0, and what of it: */
-  const char *different;      /* "state_hash", "tool pose", "soil wrench", "rendered force", "felt force", "injected energy",
+  const char *different;      /* "state_hash", "tool pose", "soil wrench", "rendered force", "device wrench", "injected energy",
                                  "trip", "end", "flags"; "" when all were */
   const char *ended_early;    /* why the rest could not be run again; "" when all was */
   uint64_t missing;           /* ticks missing in the recording, behind which nothing can be run again */

@@ -62,7 +62,7 @@ class Recording {
     ticks.resize(count);
     return ticks;
   }
-  /// What a picture is; its particles, x y z one after the other, replace what is in `positions`.
+  /// Describes a frame; its particles, x y z one after the other, replace the contents of `positions`.
   hapto_recorded_frame frame(std::uint64_t index, std::vector<float> &positions) const {
     auto frame = sized<hapto_recorded_frame>();
     require(hapto_recording_read_frame(handle_.get(), index, &frame, nullptr, 0));

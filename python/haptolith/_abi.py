@@ -8,6 +8,8 @@ from ctypes import (CFUNCTYPE, POINTER, Structure, c_char_p, c_double, c_int32, 
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 SONAME = "libhaptolith.so.0.2"
 
 
@@ -63,12 +65,13 @@ class DeviceOutput(Structure):
 PROGRESS = CFUNCTYPE(c_int32, c_void_p, c_char_p, c_double)
 READ = CFUNCTYPE(None, c_void_p, POINTER(DeviceInput))
 WRITE = CFUNCTYPE(None, c_void_p, POINTER(DeviceOutput))
-LET_GO = CFUNCTYPE(None, c_void_p)
+RELEASE = CFUNCTYPE(None, c_void_p)
 
 
 class Device(Structure):
     _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("user", c_void_p), ("name", c_char_p),
-                ("limits", DeviceLimits), ("read", READ), ("write", WRITE), ("let_go", LET_GO), ("take_up", LET_GO)]
+                ("limits", DeviceLimits), ("read", READ), ("write", WRITE), ("release_force", RELEASE),
+                ("resume_force", RELEASE)]
 
 
 class Snapshot(Structure):
@@ -84,10 +87,23 @@ class Snapshot(Structure):
 class Tick(Structure):
     _fields_ = [("size", c_uint32), ("flags", c_uint32), ("trip", c_uint32), ("buttons", c_uint32),
                 ("device_state", c_int32), ("reserved", c_uint32), ("time_s", c_double), ("device_pose", Pose),
-                ("device_twist", Twist), ("gripper_open", c_double), ("scene_T_tool", Pose), ("soil", Wrench),
-                ("rendered", Wrench), ("rendered_gripper_n", c_double), ("felt", Wrench), ("felt_gripper_n", c_double),
-                ("injected_j", c_double), ("quick_injected_j", c_double), ("tick_us", c_double), ("late_us", c_double),
+                ("device_twist", Twist), ("gripper_open", c_double), ("scene_T_tool", Pose),
+                ("soil_wrench", Wrench), ("rendered", Wrench), ("rendered_gripper_n", c_double),
+                ("device_wrench", Wrench), ("device_gripper_n", c_double), ("injected_j", c_double), ("quick_injected_j", c_double), ("tick_us", c_double), ("late_us", c_double),
                 ("state_hash", c_uint64)]
+
+
+def _tick_dtype() -> "np.dtype[Any]":
+    """hapto_tick, with the names that its fields had before as well (deprecated)."""
+    now = np.dtype(Tick)
+    assert now.fields is not None
+    was = {"soil": "soil_wrench", "felt": "device_wrench", "felt_gripper_n": "device_gripper_n"}
+    names = {name: now.fields[name] for name in now.fields} | {old: now.fields[new] for old, new in was.items()}
+    return np.dtype({"names": list(names), "formats": [field[0] for field in names.values()],
+                     "offsets": [field[1] for field in names.values()], "itemsize": now.itemsize})
+
+
+TICK = _tick_dtype()
 
 
 class SafetyInfo(Structure):

@@ -103,7 +103,8 @@ class TickFlag(IntFlag):
     SOFT_STOP = 512
     FAILED = 1024
     SOIL_ADJUSTED = 2048
-    GRAIN_MOVED = 4096
+    PARTICLE_MOVED = 4096
+    GRAIN_MOVED = 4096  # deprecated
 
 
 @dataclass(frozen=True)
@@ -214,12 +215,12 @@ class Loop(Owned):
     def take_ticks(self, most: int = 100_000) -> npt.NDArray[Any]:
         """The ticks that wait, the oldest first, as a structured array with the names of hapto_tick; with keep_ticks.
 
-        soil is in the scene frame; rendered and felt (what the device was sent) in the device frame. flags are TickFlag,
+        soil_wrench is in the scene frame; rendered and device_wrench in the device frame. flags are TickFlag,
         trip is Trip. Take them every second or more often, or some are lost."""
         ticks = (_abi.Tick * most)()
         count = ctypes.c_uint64()
         require(_lib.hapto_loop_take_ticks(self.address, ticks, most, ctypes.byref(count), None))
-        taken: npt.NDArray[Any] = np.frombuffer(memoryview(ticks), dtype=np.dtype(_abi.Tick))[: count.value].copy()
+        taken: npt.NDArray[Any] = np.frombuffer(memoryview(ticks), dtype=_abi.TICK)[: count.value].copy()
         return taken
 
     def close(self) -> None:

@@ -126,8 +126,8 @@ class Replay:
 
 
 class Recording(Owned):
-    """A recording of haptolith's, also one whose program was killed: recording.ticks["soil"]["force_n"] in the scene
-    frame, recording.ticks["felt"]["force_n"] (what the device was sent) in the device frame.
+    """A recording of haptolith's, also one whose program was killed: recording.ticks["soil_wrench"]["force_n"]
+    in the scene frame, recording.ticks["device_wrench"]["force_n"] in the device frame.
 
     Raises Failure for what is none."""
 
@@ -160,8 +160,8 @@ class Recording(Owned):
 
     @property
     def ticks(self) -> npt.NDArray[Any]:
-        """All ticks, (n,), with the names of hapto_tick: ticks["time_s"], ticks["soil"]["force_n"][:, 2]."""
-        read = np.zeros(self._ticks, dtype=np.dtype(_abi.Tick))
+        """All ticks, (n,), with the names of hapto_tick: ticks["time_s"], ticks["soil_wrench"]["force_n"][:, 2]."""
+        read = np.zeros(self._ticks, dtype=_abi.TICK)
         count = ctypes.c_uint64()
         if self._ticks:
             require(_lib.hapto_recording_read_ticks(self.address, 0, read.ctypes.data, self._ticks, ctypes.byref(count)))

@@ -34,7 +34,7 @@ TEST(BedState, ComesBackAsItWasSaved) {
   EXPECT_EQ(back.step, saved.step);
   EXPECT_TRUE(same(back.position, saved.position));
   EXPECT_TRUE(same(back.velocity, saved.velocity));
-  EXPECT_TRUE(same(back.listed_at, saved.listed_at));
+  EXPECT_TRUE(same(back.reference_position, saved.reference_position));
   EXPECT_EQ(back.tool_side, saved.tool_side);
   EXPECT_EQ(stateHash(back), stateHash(saved));
 }
@@ -100,7 +100,7 @@ TEST(BedState, ABedGoesOnOnlyFromAStateThatIsOne) {
   state.tool_side.resize(200);
   state.position.resize(201);
   state.velocity.resize(201);
-  state.listed_at.resize(201);
+  state.reference_position.resize(201);
   EXPECT_THROW(bed.restore(state), InvalidParameter) << "another number of particles";
 
   state = good;
@@ -109,7 +109,7 @@ TEST(BedState, ABedGoesOnOnlyFromAStateThatIsOne) {
 
   for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     state = good;
-    state.listed_at[9].x = value;  // would become the number of a cell
+    state.reference_position[9].x = value;  // would become the number of a cell
     EXPECT_THROW(bed.restore(state), InvalidParameter);
     state = good;
     state.position[9].z = value;
@@ -120,7 +120,7 @@ TEST(BedState, ABedGoesOnOnlyFromAStateThatIsOne) {
   }
 
   state = good;
-  std::ranges::fill(state.listed_at, Float4{});  // all in one point: no list holds that
+  std::ranges::fill(state.reference_position, Float4{});  // all in one point: no list holds that
   EXPECT_THROW(bed.restore(state), InvalidParameter);
 
   // A refused state leaves the bed as it was.

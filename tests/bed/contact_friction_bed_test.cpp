@@ -362,7 +362,7 @@ TEST(ContactFrictionBed, MemorySurvivesBeingEnteredAgain) {
     const Vec3 along = flying ? Vec3(0, 0, 2) : Vec3::Zero();
     setVelocities(bed, {along + Vec3(0.01, 0, 0), along + Vec3(-0.01, 0.01, 0)});
     run(bed, static_cast<int>(0.033 / stepOf(parameters)));
-    EXPECT_EQ(bed.relistings() > 5, flying);
+    EXPECT_EQ(bed.listRebuilds() > 5, flying);
     ASSERT_EQ(slipping(bed), 2U);
     for (const std::size_t i : {0, 1}) {
       const Slip slip = bed.state().contacts.slip(i, 0);
@@ -420,7 +420,7 @@ TEST(ContactFrictionBed, NoContactIsEverMissedInAViolentScene) {
       }
     });
     EXPECT_GT(contacts, 10'000U);
-    EXPECT_GT(bed.relistings(), 5 * bed.particles());
+    EXPECT_GT(bed.listRebuilds(), 5 * bed.particles());
   }
 }
 
@@ -434,7 +434,7 @@ TEST(ContactFrictionBed, SameHashForAnyNumberOfThreads) {
       run(bed, 200);
       hashes.push_back(stateHash(bed.state()));
     }
-    EXPECT_GT(bed.relistings(), 5 * bed.particles());
+    EXPECT_GT(bed.listRebuilds(), 5 * bed.particles());
     expected = expected.empty() ? hashes : expected;
     EXPECT_EQ(hashes, expected) << threads << " threads";
   }

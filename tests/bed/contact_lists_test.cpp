@@ -96,8 +96,8 @@ TEST_P(RandomContactLists, AreWhatATextBookWouldHave) {
 
 TEST(ContactLists, ForgetWhichRowsAreNearWhenTheyChange) {
   ContactLists lists(20, true);
-  const auto known = [&lists](std::size_t group) { return lists.nearRows()[group].look != 0; };
-  const auto know = [&lists] { lists.nearRows()[0].look = lists.nearRows()[1].look = 7; };
+  const auto known = [&lists](std::size_t group) { return lists.innerRows()[group].pruning_pass != 0; };
+  const auto know = [&lists] { lists.innerRows()[0].pruning_pass = lists.innerRows()[1].pruning_pass = 7; };
   know();
   ASSERT_TRUE(lists.add(17, 3));
   EXPECT_TRUE(known(0));

@@ -44,19 +44,19 @@ double squaredDistance(const Float4& a, const Float4& b) {
 
 /// A crowd in a box, and its lists.
 struct Listed {
-  std::vector<Float4> listed_at;
+  std::vector<Float4> reference_position;
   ContactLists lists;
   Neighbourhood neighbourhood;
 
   Listed(const std::vector<Float4>& positions, const GridBox& box, double largest_excess_m = 0)
-      : listed_at(padded(positions)),
+      : reference_position(padded(positions)),
         lists(positions.size(), true),
         neighbourhood(positions.size(), {.reach_m = kReach_m, .largest_excess_m = largest_excess_m}, box) {}
 
   [[nodiscard]] std::size_t particles() const { return lists.particles(); }
-  [[nodiscard]] bool enterAll() {
+  [[nodiscard]] bool buildAll() {
     lists.clear();
-    return neighbourhood.enterAll(listed_at, lists);
+    return neighbourhood.buildAll(reference_position, lists);
   }
   [[nodiscard]] std::vector<std::int32_t> neighboursOf(std::size_t i) const {
     std::vector<std::int32_t> names;
@@ -70,7 +70,7 @@ struct Listed {
 /// Compares lists with all pairs of their places: each near pair from both sides, none twice, none beyond the reach.
 void expectAllPairs(const Listed& listed, const Periods& periods = {}) {
   const std::size_t n = listed.particles();
-  const std::vector<Float4>& at = listed.listed_at;
+  const std::vector<Float4>& at = listed.reference_position;
   for (std::size_t i = 0; i < n; ++i) {
     std::set<std::int32_t> named;
     for (const std::int32_t j : listed.neighboursOf(i)) {
@@ -105,7 +105,7 @@ void expectAllPairs(const std::vector<Float4>& position, double width_m, double 
     highest = std::max<double>(highest, p.z);
   }
   Listed listed(position, {width_m, length_m, std::min(highest, 1.0), {}});
-  ASSERT_TRUE(listed.enterAll());
+  ASSERT_TRUE(listed.buildAll());
   expectAllPairs(listed);
 }
 
@@ -169,10 +169,10 @@ TEST(Neighbourhood, ASmallBedMayCollapseIntoOnePoint) {
 
 TEST(Neighbourhood, RefusesALargeBedThatHasCollapsed) {
   Listed heap(std::vector<Float4>(1000, {0, 0, 0.01F, 0}), {0.126, 0.126, 0.15, {}});
-  EXPECT_FALSE(heap.enterAll());
+  EXPECT_FALSE(heap.buildAll());
   // And is as good as new when the particles have come apart again.
-  heap.listed_at = padded(randomPositions(1000, -0.063F, 0.063F, 0.15F, 1));
-  ASSERT_TRUE(heap.enterAll());
+  heap.reference_position = padded(randomPositions(1000, -0.063F, 0.063F, 0.15F, 1));
+  ASSERT_TRUE(heap.buildAll());
   expectAllPairs(heap);
 }
 
@@ -205,7 +205,7 @@ struct Flying {
   [[nodiscard]] std::vector<std::int32_t> away(const Listed& listed, double threshold_m) const {
     std::vector<std::int32_t> away;
     for (std::size_t i = 0; i < position.size(); ++i) {
-      if (squaredDistance(position[i], listed.listed_at[i]) > threshold_m * threshold_m) {
+      if (squaredDistance(position[i], listed.reference_position[i]) > threshold_m * threshold_m) {
         away.push_back(static_cast<std::int32_t>(i));
       }
     }
@@ -220,13 +220,13 @@ TEST(Neighbourhood, IsRightAfterEveryStepOfAViolentScene) {
     constexpr double kExcess_m = 0.001;
     Flying flying(400, speed, kExcess_m, 7);
     Listed listed(flying.position, {0.126, 0.126, 0.1, {}}, kExcess_m);
-    ASSERT_TRUE(listed.enterAll());
+    ASSERT_TRUE(listed.buildAll());
     std::size_t entered = 0;
     for (int step = 0; step < 200; ++step) {
       flying.step(1e-3);
       const std::vector<std::int32_t> away = flying.away(listed, 0.0017);
       entered += away.size();
-      ASSERT_TRUE(listed.neighbourhood.enterAgain(away, padded(flying.position), listed.listed_at, listed.lists));
+      ASSERT_TRUE(listed.neighbourhood.rebuild(away, padded(flying.position), listed.reference_position, listed.lists));
       expectAllPairs(listed);
       if (HasFatalFailure()) {
         return;
@@ -240,12 +240,12 @@ TEST(Neighbourhood, IsRightAcrossTheSeamsOfAPeriodicBox) {
   const Periods periods{0.08F, 0.1F, 1 / 0.08F, 1 / 0.1F};
   Flying flying(200, 1, 0, 9);
   Listed listed(flying.position, {0.08, 0.1, 0.1, periods});
-  ASSERT_TRUE(listed.enterAll());
+  ASSERT_TRUE(listed.buildAll());
   expectAllPairs(listed, periods);
   for (int step = 0; step < 100; ++step) {
     flying.step(1e-3);
-    ASSERT_TRUE(listed.neighbourhood.enterAgain(flying.away(listed, 0.0017), padded(flying.position), listed.listed_at,
-                                                listed.lists));
+    ASSERT_TRUE(listed.neighbourhood.rebuild(flying.away(listed, 0.0017), padded(flying.position),
+                                             listed.reference_position, listed.lists));
     expectAllPairs(listed, periods);
     if (HasFatalFailure()) {
       return;
@@ -256,7 +256,7 @@ TEST(Neighbourhood, IsRightAcrossTheSeamsOfAPeriodicBox) {
 TEST(Neighbourhood, MemoryStaysWithItsPair) {
   Flying flying(400, 1, 0, 11);
   Listed listed(flying.position, {0.126, 0.126, 0.1, {}});
-  ASSERT_TRUE(listed.enterAll());
+  ASSERT_TRUE(listed.buildAll());
   // Every pair remembers a number of its own; who parts and meets again has forgotten it.
   const auto number = [](std::size_t i, std::size_t j) { return static_cast<float>(1000 * i + j); };
   std::set<std::pair<std::size_t, std::size_t>> known;
@@ -270,8 +270,8 @@ TEST(Neighbourhood, MemoryStaysWithItsPair) {
   std::size_t kept = 0, parted = 0;
   for (int step = 0; step < 30; ++step) {
     flying.step(1e-3);
-    ASSERT_TRUE(listed.neighbourhood.enterAgain(flying.away(listed, 0.0017), padded(flying.position), listed.listed_at,
-                                                listed.lists));
+    ASSERT_TRUE(listed.neighbourhood.rebuild(flying.away(listed, 0.0017), padded(flying.position),
+                                             listed.reference_position, listed.lists));
     std::set<std::pair<std::size_t, std::size_t>> still;
     for (std::size_t i = 0; i < listed.particles(); ++i) {
       for (std::uint32_t s = 0; s < listed.lists.count(i); ++s) {
@@ -298,18 +298,18 @@ TEST(Neighbourhood, TheOrderOfListsDoesNotDependOnTheHistoryOfCells) {
   // A saved bed has lists, but no cells: entered anew, it must go on alike.
   Flying flying(300, 1, 0, 13);
   Listed one(flying.position, {0.126, 0.126, 0.1, {}});
-  ASSERT_TRUE(one.enterAll());
+  ASSERT_TRUE(one.buildAll());
   const auto step = [&](Listed& listed, int steps, Flying& crowd) {
     for (int i = 0; i < steps; ++i) {
       crowd.step(1e-3);
-      ASSERT_TRUE(listed.neighbourhood.enterAgain(crowd.away(listed, 0.0017), padded(crowd.position), listed.listed_at,
-                                                  listed.lists));
+      ASSERT_TRUE(listed.neighbourhood.rebuild(crowd.away(listed, 0.0017), padded(crowd.position),
+                                               listed.reference_position, listed.lists));
     }
   };
   step(one, 50, flying);
   Listed two(flying.position, {0.126, 0.126, 0.1, {}});
-  two.listed_at = one.listed_at;
-  ASSERT_TRUE(two.enterAll());  // the cells
+  two.reference_position = one.reference_position;
+  ASSERT_TRUE(two.buildAll());  // the cells
   two.lists.takeOver(one.lists);
   Flying again = flying;
   step(one, 50, flying);

@@ -50,7 +50,8 @@ class ThreeGroups : public testing::Test {
       for (const std::size_t group : moving) {
         wakefulness_.moving()[group] = 1;
       }
-      const Wakefulness::Found found = wakefulness_.count(0, wakefulness_.awake().size(), state_.position, state_);
+      const Wakefulness::Transitions found =
+          wakefulness_.updateRest(0, wakefulness_.awake().size(), state_.position, state_);
       disturbed.insert(disturbed.end(), found.disturbed, found.disturbed + found.disturbed_count);
       ready_.assign(found.ready_to_sleep, found.ready_to_sleep + found.ready_to_sleep_count);
       wakefulness_.wakeBeside({found.disturbed, found.disturbed_count}, state_);
@@ -191,10 +192,10 @@ TEST_F(ThreeGroups, PartsTogetherFindTheSameInOrder) {
   wakefulness_.takeOver(state_);
   wakefulness_.listAwake();
   std::fill_n(wakefulness_.moving(), kGroups, std::uint8_t{1});
-  const std::vector<Wakefulness::Found> parts{wakefulness_.count(0, 1, state_.position, state_),
-                                              wakefulness_.count(1, 2, state_.position, state_),
-                                              wakefulness_.count(2, 4, state_.position, state_)};
-  const Wakefulness::Found all = wakefulness_.inOrder(parts);
+  const std::vector<Wakefulness::Transitions> parts{wakefulness_.updateRest(0, 1, state_.position, state_),
+                                                    wakefulness_.updateRest(1, 2, state_.position, state_),
+                                                    wakefulness_.updateRest(2, 4, state_.position, state_)};
+  const Wakefulness::Transitions all = wakefulness_.mergeTransitions(parts);
   EXPECT_THAT(std::vector<std::uint32_t>(all.disturbed, all.disturbed + all.disturbed_count), ElementsAre(0, 1, 2, 3));
   EXPECT_EQ(all.ready_to_sleep_count, 0U);
 }

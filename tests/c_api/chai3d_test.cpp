@@ -111,7 +111,7 @@ struct Rig {
   void goTo(double x_m, double y_m, double z_m) { goTo({x_m, y_m, z_m}); }
   [[nodiscard]] double surface() const { return bed->getSurfaceHeight(); }
   [[nodiscard]] double felt() const { return tool->getDeviceLocalForce().length(); }
-  [[nodiscard]] std::string reason() const { return tool->getLetGoReason(); }
+  [[nodiscard]] std::string reason() const { return tool->getTripReason(); }
 
   ScenePtr scene;
   chai3d::cWorld world;  // has bed and tool
@@ -726,7 +726,7 @@ TEST(Chai3dTool, IsNoHarmWhateverIsDeletedFirst) {
             tool->applyToDevice();
             if (!scene_is_there) {
               EXPECT_EQ(tool->getDeviceLocalForce().length(), 0);
-              EXPECT_THAT(tool->getLetGoReason(), testing::Not(StrEq("")));
+              EXPECT_THAT(tool->getTripReason(), testing::Not(StrEq("")));
             }
           }
           if (bed != nullptr) {

@@ -48,8 +48,8 @@ TEST_P(EitherFriction, AStepIsAStepOfTheSceneInside) {
     const hapto_pose pose = stirring(tick);
     hapto_wrench felt{};
     expectOk(hapto_scene_step(scene.get(), &pose, nullptr, &felt));
-    ASSERT_EQ(Vec3::Map(felt.force_n), inside.felt().wrench.force_n) << tick;
-    ASSERT_EQ(Vec3::Map(felt.torque_nm), inside.felt().wrench.torque_nm) << tick;
+    ASSERT_EQ(Vec3::Map(felt.force_n), inside.soilWrench().force_n) << tick;
+    ASSERT_EQ(Vec3::Map(felt.torque_nm), inside.soilWrench().torque_nm) << tick;
     felt_n += std::abs(felt.force_n[2]);
   }
   EXPECT_GT(felt_n, 10) << "it never dug";

@@ -14,15 +14,15 @@ Quat quarterTurnAboutZ() {
 
 TEST(Pose, TurnsThenMoves) {
   const Pose pose{Vec3(1, 2, 3), quarterTurnAboutZ()};
-  EXPECT_TRUE(pose.toScene(Vec3(10, 0, 0)).isApprox(Vec3(1, 12, 3)));
-  EXPECT_TRUE(pose.toScene(Vec3(0, 10, 1)).isApprox(Vec3(-9, 2, 4)));
+  EXPECT_TRUE(pose.fromBody(Vec3(10, 0, 0)).isApprox(Vec3(1, 12, 3)));
+  EXPECT_TRUE(pose.fromBody(Vec3(0, 10, 1)).isApprox(Vec3(-9, 2, 4)));
 }
 
 TEST(Pose, GoesToTheBodyAndBack) {
   const Pose pose{Vec3(1, 2, 3), Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()))};
   const Vec3 point(0.3, -0.2, 0.9);
-  EXPECT_TRUE(pose.toBody(pose.toScene(point)).isApprox(point));
-  EXPECT_TRUE(pose.toScene(pose.toBody(point)).isApprox(point));
+  EXPECT_TRUE(pose.toBody(pose.fromBody(point)).isApprox(point));
+  EXPECT_TRUE(pose.fromBody(pose.toBody(point)).isApprox(point));
 }
 
 TEST(Twist, PointsFartherOutMoveFaster) {

@@ -34,7 +34,7 @@ long allocationsIn(int ticks, const BedParameters& bed, Manoeuvre manoeuvre, Han
   LoopParameters loop_parameters;
   loop_parameters.paced = false;
   HapticLoop loop(scene, hand, loop_parameters, true);
-  const std::uint64_t relistings = scene.bed().relistings();
+  const std::uint64_t listRebuilds = scene.bed().listRebuilds();
   const long before = allocations;
   for (int i = 0; i < ticks; ++i) {
     if (loop.tick() != LoopEnd::kRunning) {
@@ -43,7 +43,7 @@ long allocationsIn(int ticks, const BedParameters& bed, Manoeuvre manoeuvre, Han
     }
   }
   const long during = allocations - before;
-  EXPECT_GT(scene.bed().relistings(), relistings + 100) << "nobody entered again: too quiet a scene";
+  EXPECT_GT(scene.bed().listRebuilds(), listRebuilds + 100) << "nobody entered again: too quiet a scene";
   return during;
 }
 
@@ -111,11 +111,11 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
       request::Speed{0.5},
       request::Gravity{Vec3(0, 0, -3)},
       request::Soil{SoilLaws(findPreset("P4").soil)},
-      request::ExchangeTool{ToolParameters{.shape = ToolShape::kSphere}},
-      request::ExchangeTool{meshTool()},
-      request::ExchangeTool{ToolParameters{.shape = ToolShape::kSphere}},  // lets go of the mesh
-      request::ExchangeTool{meshTool()},
-      request::ExchangeBed{&next},
+      request::ReplaceTool{ToolParameters{.shape = ToolShape::kSphere}},
+      request::ReplaceTool{meshTool()},
+      request::ReplaceTool{ToolParameters{.shape = ToolShape::kSphere}},  // lets go of the mesh
+      request::ReplaceTool{meshTool()},
+      request::ReplaceBed{&next},
       request::Pause{},
       request::Advance{3},
       request::Resume{}};

@@ -195,7 +195,7 @@ TEST_P(FaultTable, TheHandFeelsNothingWithinFiveTicksAndForceComesBackSoftly) {
     const TickRecord& last = bench.records.back();
     EXPECT_EQ(bench.records.size(), static_cast<std::size_t>(kPressed + 1)) << "the tick that failed is recorded";
     EXPECT_NE(last.flags & kTickFailed, 0U);
-    EXPECT_EQ(last.felt.wrench.force_n.norm(), 0);
+    EXPECT_EQ(last.sent.wrench.force_n.norm(), 0);
     ASSERT_TRUE(bench.loop->trips().update());
     const TripReport& report = bench.loop->trips().latest();
     EXPECT_STREQ(report.reason(), text(fault.end));
@@ -509,7 +509,7 @@ TEST(FaultTable, TheLastFiftyTicksBeforeATripAreTold) {
   for (std::size_t i = 0; i < 50; ++i) {
     const TickRecord& kept = bench.records[kPressed + 1 - 50 + i];
     EXPECT_EQ(report.ticks[i].time_s, kept.time_s);
-    EXPECT_EQ(report.ticks[i].felt.wrench.force_n, kept.felt.wrench.force_n);
+    EXPECT_EQ(report.ticks[i].sent.wrench.force_n, kept.sent.wrench.force_n);
     EXPECT_EQ(report.ticks[i].trip != 0, i == 49) << "the last one is the trip's";
   }
 }

@@ -116,12 +116,12 @@ TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
   for (int i = 0; i < 200; ++i) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
     const Vec3 own_change_n = -kTick_s * scene.contactStiffness() * quick.step(pushing(i).twist.linear_m_s);
-    const Wrench expected = limited(filter.step(scene.felt().wrench, own_change_n), device.limits_);
+    const Wrench expected = limited(filter.step(scene.soilWrench(), own_change_n), device.limits_);
     ASSERT_EQ(device.last_.force_n, expected.force_n);
     ASSERT_EQ(device.last_.torque_nm, expected.torque_nm);
     loop.takeRecords(records);
-    ASSERT_EQ(records.back().felt.wrench.force_n, expected.force_n);
-    ASSERT_EQ(records.back().soil.force_n, scene.felt().wrench.force_n);
+    ASSERT_EQ(records.back().sent.wrench.force_n, expected.force_n);
+    ASSERT_EQ(records.back().soil.force_n, scene.soilWrench().force_n);
   }
   EXPECT_NEAR(device.largest_force_n_, 0.3, 1e-12);  // the limit was reached, and not passed
 }
@@ -531,7 +531,7 @@ TEST(HapticLoop, GrainsAreMovedOneATickAndEachTickSaysSo) {
   loop.takeRecords(ticks);
   ASSERT_EQ(ticks.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ((ticks[i].flags & kTickGrainMoved) != 0, i < 3) << i;
+    EXPECT_EQ((ticks[i].flags & kTickParticleMoved) != 0, i < 3) << i;
     EXPECT_EQ(ticks[i].flags & kTickSceneChanged, 0U) << "a replay can follow";
   }
 }

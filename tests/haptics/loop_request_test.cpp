@@ -232,7 +232,7 @@ TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {
 
   Scene level(paperBed(), {});
   ShownScene next(level);
-  ASSERT_TRUE(stirred.loop.ask(request::ExchangeBed{&next}));
+  ASSERT_TRUE(stirred.loop.ask(request::ReplaceBed{&next}));
   stirred.ticks(99);
   EXPECT_NE(&stirred.loop.shownScene(), &next) << "the old one fades for a tenth of a second";
   EXPECT_LT(stirred.device.last_.force_n.norm(), 0.2);
@@ -260,7 +260,7 @@ TEST(LoopRequest, ASceneOfAnotherSizeIsShownWhole) {
   Scene large(more, {});
   ShownScene next(large);
   ASSERT_TRUE(stirred.loop.ask(request::Pause{}));
-  ASSERT_TRUE(stirred.loop.ask(request::ExchangeBed{&next}));  // nobody feels anything: at once
+  ASSERT_TRUE(stirred.loop.ask(request::ReplaceBed{&next}));  // nobody feels anything: at once
   stirred.ticks(1);
   EXPECT_EQ(&stirred.loop.shownScene(), &next);
   ASSERT_TRUE(stirred.loop.ask(request::Resume{}));
@@ -281,7 +281,7 @@ TEST(LoopRequest, AnotherToolIsFeltWithoutAJump) {
   ToolParameters ball;
   ball.shape = ToolShape::kSphere;
   ball.diameter_m = 0.03;
-  ASSERT_TRUE(stirred.loop.ask(request::ExchangeTool{ball}));
+  ASSERT_TRUE(stirred.loop.ask(request::ReplaceTool{ball}));
   stirred.ticks(102);
   EXPECT_EQ(stirred.scene.tool().shape, ToolShape::kSphere);
   EXPECT_LT(stirred.fastestOf(stirred.scene, 400), 2 * usual_m_s);

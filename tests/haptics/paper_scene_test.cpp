@@ -16,7 +16,7 @@ struct Outcome {
   std::uint64_t hash = 0;
   double largest_force_n = 0;
   double speed_m_s = 0;
-  std::uint64_t relistings = 0;
+  std::uint64_t listRebuilds = 0;
 };
 
 /// Sixty seconds of a manoeuvre, the last five or more with the hand away.
@@ -47,7 +47,7 @@ Outcome minuteOf(Manoeuvre manoeuvre, HandCompliance compliance) {
         << "particle " << i << " is lost at " << p.x << " " << p.y << " " << p.z;
   }
   return {stateHash(scene.bed().state()), loop.statistics().forceN().max(), scene.bed().largestSpeed(),
-          scene.bed().relistings()};
+          scene.bed().listRebuilds()};
 }
 
 class PaperScene : public testing::TestWithParam<Manoeuvre> {};
@@ -55,11 +55,11 @@ class PaperScene : public testing::TestWithParam<Manoeuvre> {};
 TEST_P(PaperScene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
   const Outcome first = minuteOf(GetParam(), HandCompliance::kArm);
   RecordProperty("largest_force_mn", static_cast<int>(1e3 * first.largest_force_n));
-  RecordProperty("relistings", static_cast<int>(first.relistings));
+  RecordProperty("listRebuilds", static_cast<int>(first.listRebuilds));
   EXPECT_LT(first.speed_m_s, 1e-4) << "5 s after the hand has left";
   EXPECT_GT(first.largest_force_n, 0.05) << "the hand felt nothing";
   EXPECT_LE(first.largest_force_n, 12 + 1e-9);
-  EXPECT_GT(first.relistings, 2000U);
+  EXPECT_GT(first.listRebuilds, 2000U);
   const Outcome second = minuteOf(GetParam(), HandCompliance::kArm);
   EXPECT_EQ(first.hash, second.hash);
 }

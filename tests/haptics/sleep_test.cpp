@@ -63,7 +63,7 @@ struct Stirred {
     const DeviceInput input = hand.read();
     EXPECT_EQ(scene.tick({{input.pose, input.twist}}), StepStatus::kOk);
     hand.write({{}});
-    return scene.felt().wrench.force_n;
+    return scene.soilWrench().force_n;
   }
   void restFor(int steps) {
     for (int i = 0; i < steps; ++i) {
@@ -186,7 +186,7 @@ TEST(Sleep, SoilThatRingsButStaysWhereItIsSleepsAndTheToolFeelsTheSame) {
     Mean mean;
     for (int i = 0; i < kTicks; ++i) {
       scene.tick();
-      mean.force_n += scene.scene.felt().wrench.force_n.norm() / kTicks;
+      mean.force_n += scene.scene.soilWrench().force_n.norm() / kTicks;
       mean.awake += static_cast<double>(scene.scene.bed().awake()) / kTicks;
     }
     return mean;

@@ -116,7 +116,7 @@ TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // what the test above can tell
   for (int tick = 0; tick < 5000; ++tick) {
     const DeviceInput hand = arm.read();
     ASSERT_EQ(scene.tick({{hand.pose, hand.twist}}), StepStatus::kOk);
-    arm.write({filter.step(scene.felt().wrench)});
+    arm.write({filter.step(scene.soilWrench())});
   }
   EXPECT_GT(arm.vibration(), 1e-4);
 }
@@ -140,9 +140,9 @@ TEST_P(Digging, FeelsAsALowPassAloneWouldShowIt) {
   double felt = 0, expected = 0, apart = 0;
   for (const TickRecord& record : records) {
     const Vec3 low_passed = plain.step(record.soil).force_n;
-    felt += record.felt.wrench.force_n.norm();
+    felt += record.sent.wrench.force_n.norm();
     expected += low_passed.norm();
-    apart += (record.felt.wrench.force_n - low_passed).norm();
+    apart += (record.sent.wrench.force_n - low_passed).norm();
   }
   // Over eight hands that differ by 10 um, carrying has 0.954 +- 0.002 and 0.103 +- 0.003; the others less.
   EXPECT_NEAR(felt / expected, 1, 0.05);

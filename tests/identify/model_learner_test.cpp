@@ -127,7 +127,7 @@ TEST(ModelLearner, NineIntervalsInTenHoldTheTruth) {
     for (int i = 0; i < 15; ++i) {
       DiggingStretch stretch =
           stretchAt(Vec3::Zero(), cutAt(0.012 + 0.002 * i, i % 2 == 0 ? 80 : 55), {35, 200, 0.36}, truth);
-      const double size_n = std::max(stretch.met_n.norm(), stretch.felt_n.norm());
+      const double size_n = std::max(stretch.met_n.norm(), stretch.displayed_n.norm());
       stretch.met_n += 0.2 * size_n * Vec3(normal(random), normal(random), normal(random));
       learns.add(stretch);
       learns.add(stretch);

@@ -36,7 +36,7 @@ double lowestPoint(const ToolParameters& shovel, const Pose& pose) {
   double lowest_m = 1;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
-    lowest_m = std::min(lowest_m, pose.toScene(shovel.size_m.cwiseProduct(sign) / 2).z());
+    lowest_m = std::min(lowest_m, pose.fromBody(shovel.size_m.cwiseProduct(sign) / 2).z());
   }
   return lowest_m;
 }

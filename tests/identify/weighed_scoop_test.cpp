@@ -178,7 +178,7 @@ Scooped scooped(double depth_m) {
     hand.twist = {(hand.pose.position_m - before.position_m) / tick_s,
                   rotationBetween(before.orientation, hand.pose.orientation) / tick_s};
     EXPECT_EQ(scene.tick(hand), StepStatus::kOk);
-    result.samples.push_back({tick * tick_s, hand.pose, scene.felt().wrench.force_n});
+    result.samples.push_back({tick * tick_s, hand.pose, scene.soilWrench().force_n});
   }
   result.mass_kg = massAbove(scene.bed(), lifted_m);
   return result;

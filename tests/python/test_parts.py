@@ -148,17 +148,17 @@ def test_each_wrench_has_one_frame(mapping_deg, declared_deg):
             assert all(loop.tick() for _ in range(384))
             now, ticks, sent_n = loop.snapshot(), loop.take_ticks(), device.last_n
     across = np.cross([0, 0, 1], device.along)
-    soil_n, felt_n = (ticks[name]["force_n"][200:].mean(axis=0) for name in ("soil", "felt"))
+    soil_n, felt_n = (ticks[name]["force_n"][200:].mean(axis=0) for name in ("soil_wrench", "device_wrench"))
     assert soil_n[0] < -0.1
     felt_in_scene_n = [felt_n @ device.along, felt_n @ across, felt_n[2]]
     assert np.allclose(felt_in_scene_n, soil_n, atol=0.25 * np.linalg.norm(soil_n))
     assert np.allclose([now.felt_n @ [1, 0, 0], now.felt_n @ [0, 1, 0]],
                        [now.device_force_n @ device.along, now.device_force_n @ across], atol=1e-12)
-    assert np.array_equal(ticks["felt"]["force_n"][-1], sent_n)
+    assert np.array_equal(ticks["device_wrench"]["force_n"][-1], sent_n)
     tick = np.flatnonzero((ticks["soil"]["force_n"] == now.soil_force_n).all(axis=1))[-1]
     assert np.array_equal(ticks["felt"]["force_n"][tick], now.device_force_n)
-    assert np.array_equal(ticks["felt"]["torque_nm"][tick], now.device_torque_nm)
-    assert np.array_equal(ticks["soil"]["torque_nm"][tick], now.soil_torque_nm)
+    assert np.array_equal(ticks["device_wrench"]["torque_nm"][tick], now.device_torque_nm)
+    assert np.array_equal(ticks["soil_wrench"]["torque_nm"][tick], now.soil_torque_nm)
     assert all(hp.Trip(trip) == hp.Trip.NONE for trip in ticks["trip"])
 
 

@@ -50,7 +50,7 @@ TickRecord madeUpTick(std::uint64_t n) {
   tick.scene_T_tool = pose();
   tick.soil = wrench();
   tick.rendered = {.wrench = wrench(), .gripper_force_n = number()};
-  tick.felt = {.wrench = wrench(), .gripper_force_n = number()};
+  tick.sent = {.wrench = wrench(), .gripper_force_n = number()};
   tick.injected_j = number();
   tick.quick_injected_j = number();
   tick.tick_us = number();
@@ -100,8 +100,8 @@ std::vector<std::uint64_t> bitsOf(const TickRecord& tick) {
   wrench(tick.soil);
   wrench(tick.rendered.wrench);
   numbers({tick.rendered.gripper_force_n});
-  wrench(tick.felt.wrench);
-  numbers({tick.felt.gripper_force_n, tick.injected_j, tick.tick_us, tick.late_us});
+  wrench(tick.sent.wrench);
+  numbers({tick.sent.gripper_force_n, tick.injected_j, tick.tick_us, tick.late_us});
   bits.insert(bits.end(), {tick.state_hash, tick.flags, tick.trip});
   return bits;
 }

@@ -117,7 +117,7 @@ class RecordedPicturesTest : public testing::Test {
                  .load_n = {},
                  .tool = scene.toolPose(),
                  .opening_m = scene.opening(),
-                 .soil = scene.felt().wrench};
+                 .soil = scene.soilWrench()};
       now.load_n = contactLoads(scenario.bed, now.position);
       ParticleFrame frame{.time_s = loop.time(), .tick = (picture + 1) * kEvery, .position_m = {}};
       for (const Float4& position : now.position) {

@@ -153,7 +153,7 @@ class ReplayTest : public testing::Test {
   [[nodiscard]] double largestFelt() const {
     double largest_n = 0;
     for (const TickRecord& tick : ticks_) {
-      largest_n = std::max(largest_n, tick.felt.wrench.force_n.norm());
+      largest_n = std::max(largest_n, tick.sent.wrench.force_n.norm());
     }
     return largest_n;
   }
@@ -282,8 +282,8 @@ TEST_F(ReplayTest, AHashOrAForceThatWasAnotherIsFoundByName) {
   ticks_[50].rendered.wrench.torque_nm.y() += 1e-12;
   findsIn50("rendered force");
   ticks_ = whole;
-  ticks_[50].felt.gripper_force_n = -1e-300;
-  findsIn50("felt force");
+  ticks_[50].sent.gripper_force_n = -1e-300;
+  findsIn50("device wrench");
   ticks_ = whole;
   ticks_[50].scene_T_tool.position_m.x() += 1e-15;
   findsIn50("tool pose");
@@ -421,7 +421,7 @@ TEST_F(ReplayTest, GrainsThatWereMovedAreMovedAgain) {
       tickTimes(loop, 1);
     }
   });
-  EXPECT_EQ(ticksWith(kTickGrainMoved), 4U);
+  EXPECT_EQ(ticksWith(kTickParticleMoved), 4U);
   expectBitForBit(replayed());
 
   const std::vector<RecordingEvent> all = events_;

@@ -109,7 +109,7 @@ class Ros2ArmTest : public testing::Test {
         arm_.tell();
       }
       if (commanded && i % 20 == 0) {
-        const CommandKey key{command_ += 20, {{{{0, 0, 0.05}, Quat::Identity()}, {}}, 1}};
+        const Keyframe key{command_ += 20, {{{{0, 0, 0.05}, Quat::Identity()}, {}}, 1}};
         robot_->take(7, true, {&key, 1});
       }
       robot_->tick();

@@ -63,7 +63,7 @@ TickRecord someTick() {
   tick.scene_T_tool.position_m = {0.01, -0.02, 0.03};
   tick.scene_T_tool.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   tick.soil = {{1, 2, 3}, {0.1, 0.2, 0.3}};
-  tick.felt.wrench = {{0.5, 1, 1.5}, {0.05, 0.1, 0.15}};
+  tick.sent.wrench = {{0.5, 1, 1.5}, {0.05, 0.1, 0.15}};
   return tick;
 }
 
@@ -345,7 +345,7 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
     }
     return false;
   };
-  const auto feels = [](const TickRecord& tick) { return tick.felt.wrench.force_n.norm() > 0.2; };
+  const auto feels = [](const TickRecord& tick) { return tick.sent.wrench.force_n.norm() > 0.2; };
   ASSERT_TRUE(tick_until(true, feels));
   const std::int64_t stopped_ns = monotonicNs();
   ASSERT_TRUE(tick_until(false, [](const TickRecord& tick) { return tick.trip != 0; }));
@@ -353,7 +353,7 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
   EXPECT_GT(after_s, 0.07);  // the newest target was up to 20 ms old
   EXPECT_LT(after_s, 0.2);
   EXPECT_EQ(ticks.back().trip, static_cast<std::uint8_t>(SafetyTrip::kStale));
-  EXPECT_TRUE(ticks.back().felt.wrench.isZero());
+  EXPECT_TRUE(ticks.back().sent.wrench.isZero());
   const Vec3 left_m = ticks.back().scene_T_tool.position_m;
   ASSERT_TRUE(tick_until(false, [n = 0](const TickRecord& /*unused*/) mutable { return ++n == 200; }));
   EXPECT_EQ(ticks.back().scene_T_tool.position_m, left_m);
@@ -363,7 +363,7 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
   ASSERT_TRUE(tick_until(true, feels));
   EXPECT_GT(ticks.size() - first, 300U);
   for (std::size_t i = first; i < ticks.size(); ++i) {
-    EXPECT_LT((ticks[i].felt.wrench.force_n - ticks[i - 1].felt.wrench.force_n).norm(), 0.3);
+    EXPECT_LT((ticks[i].sent.wrench.force_n - ticks[i - 1].sent.wrench.force_n).norm(), 0.3);
   }
 }
 

@@ -194,8 +194,8 @@ std::uint64_t outcomeOf(const Scenario& scenario) {
     records.clear();
     loop.takeRecords(records);
     for (const TickRecord& record : records) {
-      const Vec3& force_n = record.felt.wrench.force_n;
-      const Vec3& torque_nm = record.felt.wrench.torque_nm;
+      const Vec3& force_n = record.sent.wrench.force_n;
+      const Vec3& torque_nm = record.sent.wrench.torque_nm;
       hash = fold(hash, force_n.data(), sizeof(double) * 3);
       hash = fold(hash, torque_nm.data(), sizeof(double) * 3);
       strongest_n = std::max(strongest_n, force_n.norm());
@@ -263,7 +263,7 @@ std::uint64_t outcomeOfStraightCut(const Scenario& scenario, int ticks) {
       hash = fold(hash, &state, sizeof state);
     }
   }
-  EXPECT_GT(scene.felt().wrench.force_n.norm(), 0.05) << "the tool never touched the soil";
+  EXPECT_GT(scene.soilWrench().force_n.norm(), 0.05) << "the tool never touched the soil";
   return hash;
 }
 

@@ -207,7 +207,7 @@ TEST(DrawnTools, TheScoopCarriesALoadThatWeighsWhatItWeighs) {
   }
   const double mass_kg = load * macroparticleMass(scenario.bed.soil);
   const double weight_n = -mass_kg * scenario.bed.gravity_m_s2.z();
-  EXPECT_NEAR(scene.felt().wrench.force_n.z(), -weight_n, 0.03 * weight_n);
+  EXPECT_NEAR(scene.soilWrench().force_n.z(), -weight_n, 0.03 * weight_n);
   // Sideways with 0.5 m/s^2 for 0.4 s.
   constexpr double kFaster_m_s2 = 0.5;
   double pushed_ns = 0;
@@ -216,7 +216,7 @@ TEST(DrawnTools, TheScoopCarriesALoadThatWeighsWhatItWeighs) {
     hand.pose.position_m.y() = kFaster_m_s2 / 2 * t * t;
     hand.twist.linear_m_s.y() = kFaster_m_s2 * t;
     ASSERT_EQ(scene.tick(hand), StepStatus::kOk);
-    pushed_ns -= 1e-3 * scene.felt().wrench.force_n.y();
+    pushed_ns -= 1e-3 * scene.soilWrench().force_n.y();
   }
   EXPECT_NEAR(pushed_ns, mass_kg * kFaster_m_s2 * 0.4, 0.1 * mass_kg * kFaster_m_s2 * 0.4);
   for (std::size_t i = 1; i < grains.size(); ++i) {

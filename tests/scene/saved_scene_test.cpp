@@ -39,7 +39,7 @@ TEST_P(SavedSceneOf, BytesComeBackAsTheyWere) {
   const std::string bytes = serialise(scene.save());
   Scene again(bed, {}, deserialiseSavedScene(bytes));
   EXPECT_EQ(serialise(again.save()), bytes);
-  EXPECT_EQ(again.felt().wrench.force_n, scene.felt().wrench.force_n);
+  EXPECT_EQ(again.soilWrench().force_n, scene.soilWrench().force_n);
   EXPECT_EQ(again.contactStiffness(), scene.contactStiffness());
 }
 
@@ -90,7 +90,7 @@ TEST(SavedScene, AToolThatIsNowhereIsRefusedAndNothingHasMoved) {
            [](SavedScene& saved) { saved.opening_m = INFINITY; },
            [](SavedScene& saved) { saved.bed.grid_height_m += 1; },
            [](SavedScene& saved) { saved.bed.near_groups.push_back(1000); },
-           [](SavedScene& saved) { saved.felt.grip_n = NAN; }}) {
+           [](SavedScene& saved) { saved.soil_force.grip_n = NAN; }}) {
     SavedScene saved = scene.save();
     spoil(saved);
     EXPECT_THROW(scene.restore(saved), InvalidParameter);

@@ -28,7 +28,7 @@ std::vector<double> moveTo(Scene& scene, double height_m, double speed_m_s) {
   for (int i = 1; i <= ticks; ++i) {
     const Pose pose{Vec3(0, 0, from + (height_m - from) * i / ticks), Quat::Identity()};
     EXPECT_EQ(scene.tick({{pose, twist}}), StepStatus::kOk);
-    forces.push_back(scene.felt().wrench.force_n.z());
+    forces.push_back(scene.soilWrench().force_n.z());
   }
   return forces;
 }
@@ -83,8 +83,8 @@ TEST(Scene, AboveTheSoilThereIsExactlyNothing) {
   Scene scene(paperBed(), ToolParameters{});
   scene.placeTool({{{Vec3(0, 0, 0.2), Quat::Identity()}, {}}});
   moveTo(scene, 0.1, 0.5);
-  EXPECT_EQ(scene.felt().wrench.force_n, Vec3::Zero());
-  EXPECT_EQ(scene.felt().wrench.torque_nm, Vec3::Zero());
+  EXPECT_EQ(scene.soilWrench().force_n, Vec3::Zero());
+  EXPECT_EQ(scene.soilWrench().torque_nm, Vec3::Zero());
   const std::uint64_t with_tool = stateHash(scene.bed().state());
   Bed alone(paperBed());
   while (alone.state().step < scene.bed().state().step) {
@@ -137,7 +137,7 @@ TEST(Scene, AToolThatIsNowhereMovesNoSoilAndTheSceneGoesOn) {
   for (int i = 0; i < 20; ++i) {
     ASSERT_EQ(scene.tick(here), StepStatus::kOk);
   }
-  ASSERT_GT(scene.felt().wrench.force_n.norm(), 0);
+  ASSERT_GT(scene.soilWrench().force_n.norm(), 0);
   const std::uint64_t before = stateHash(scene.bed().state());
   const auto with = [&](auto change) {
     HandState hand = here;
@@ -156,13 +156,13 @@ TEST(Scene, AToolThatIsNowhereMovesNoSoilAndTheSceneGoesOn) {
   nowhere.push_back(with([](HandState& hand) { hand.pose.orientation.coeffs().setZero(); }));
   for (const HandState& hand : nowhere) {
     EXPECT_EQ(scene.tick(hand), StepStatus::kNotFinite);
-    EXPECT_TRUE(scene.felt().wrench.isZero());
+    EXPECT_TRUE(scene.soilWrench().isZero());
     scene.placeTool(hand);
     EXPECT_EQ(scene.toolPose().position_m, here.pose.position_m);
     EXPECT_EQ(stateHash(scene.bed().state()), before);
   }
   EXPECT_EQ(scene.tick(here), StepStatus::kOk);
-  EXPECT_GT(scene.felt().wrench.force_n.norm(), 0);
+  EXPECT_GT(scene.soilWrench().force_n.norm(), 0);
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ class PersonsSession : public testing::Test {
   [[nodiscard]] double largestChange(std::size_t first) const {
     double largest_n = 0;
     for (std::size_t i = std::max<std::size_t>(first, 1); i < records_.size(); ++i) {
-      largest_n = std::max(largest_n, (records_[i].felt.wrench.force_n - records_[i - 1].felt.wrench.force_n).norm());
+      largest_n = std::max(largest_n, (records_[i].sent.wrench.force_n - records_[i - 1].sent.wrench.force_n).norm());
     }
     return largest_n;
   }
@@ -171,7 +171,7 @@ TEST_F(PersonsSession, APauseLetsGoAndForceComesBackSoftlyWhereTheHandIsThen) {
   for (std::size_t i = ticks; i < ticks + 400; ++i) {  // of the 500 of the soft start
     ASSERT_NE(records_[i].flags & kTickSoftStart, 0U);
     const double share = static_cast<double>(i + 1 - ticks) / 500;
-    ASSERT_LE(records_[i].felt.wrench.force_n.norm(),
+    ASSERT_LE(records_[i].sent.wrench.force_n.norm(),
               1.001 * share * share * (3 - 2 * share) * records_[i].rendered.wrench.force_n.norm() + 1e-3);
   }
   EXPECT_EQ(records_[ticks + 600].flags & kTickSoftStart, 0U);
@@ -222,7 +222,7 @@ TEST_F(PersonsSession, TheLargestToolThatAPageMayAskForIsNoJoltAndNoCollapse) {
     ASSERT_FALSE(session_->done()) << "the bed has collapsed";
     EXPECT_LT(largestChange(ticks), 1.000001 * kRate_n_s * 1e-3);
     EXPECT_TRUE(std::all_of(records_.begin(), records_.end(), [](const TickRecord& tick) {
-      return tick.felt.wrench.force_n.norm() < 1.000001 * kMost_n;
+      return tick.sent.wrench.force_n.norm() < 1.000001 * kMost_n;
     }));
     EXPECT_EQ(session_->snapshot().trips, 0U);
   }
@@ -235,7 +235,7 @@ TEST_F(PersonsSession, ItsEndLetsGoOfTheHandSoftly) {
   stopAndTakeAll();
   EXPECT_EQ(handle_->last_force_n, 0);
   EXPECT_LT(largestChange(ticks), 1.000001 * kRate_n_s * 1e-3);
-  EXPECT_LT(records_.back().felt.wrench.force_n.norm(), 0.01);
+  EXPECT_LT(records_.back().sent.wrench.force_n.norm(), 0.01);
   EXPECT_FALSE(handle_->gone);
   session_.reset();
   EXPECT_TRUE(handle_->gone);

@@ -13,8 +13,8 @@ TickRecord tick(double time_s, const Vec3& position_m, const Vec3& force_n) {
   record.time_s = time_s;
   record.scene_T_tool.position_m = position_m;
   record.soil.force_n = force_n;
-  record.felt.wrench.force_n = force_n;
-  record.felt.wrench.torque_nm = {0, 0.1 * time_s, 0};
+  record.sent.wrench.force_n = force_n;
+  record.sent.wrench.torque_nm = {0, 0.1 * time_s, 0};
   return record;
 }
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-CommandKey keyAt(std::uint64_t index, const Vec3& position_m, const Vec3& velocity_m_s = Vec3::Zero()) {
-  CommandKey key;
+Keyframe keyAt(std::uint64_t index, const Vec3& position_m, const Vec3& velocity_m_s = Vec3::Zero()) {
+  Keyframe key;
   key.index = index;
   key.hand.pose.position_m = position_m;
   key.hand.twist.linear_m_s = velocity_m_s;
@@ -19,10 +19,10 @@ CommandKey keyAt(std::uint64_t index, const Vec3& position_m, const Vec3& veloci
 }
 
 /// A hand that goes to and fro by 35 mm in 2 s, and turns by 20 degrees meanwhile.
-CommandKey swinging(std::uint64_t index) {
+Keyframe swinging(std::uint64_t index) {
   const double w = std::numbers::pi;
   const double t = static_cast<double>(index) * kTick_s;
-  CommandKey key = keyAt(index, {0.035 * std::sin(w * t), 0, 0.1}, {0.035 * w * std::cos(w * t), 0, 0});
+  Keyframe key = keyAt(index, {0.035 * std::sin(w * t), 0, 0.1}, {0.035 * w * std::cos(w * t), 0, 0});
   key.hand.pose.orientation = Eigen::AngleAxisd(0.35 * std::sin(w * t), Vec3::UnitY());
   key.hand.twist.angular_rad_s = {0, 0.35 * w * std::cos(w * t), 0};
   key.hand.opening = 0.5;

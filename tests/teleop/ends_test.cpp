@@ -103,12 +103,12 @@ class Ends : public testing::Test {
     tick.rendered.wrench.force_n = {1, 0, 0};
     return tick;
   }
-  static Packet commandOf(std::uint32_t session, std::uint64_t number) {
+  static Packet commandOf(std::uint32_t connection, std::uint64_t number) {
     CommandPacket packet;
-    packet.session = session;
+    packet.connection = connection;
     packet.number = number;
-    packet.keys.resize(1);
-    packet.keys[0].index = number;
+    packet.keyframes.resize(1);
+    packet.keyframes[0].index = number;
     return bytesOf(packet);
   }
 
@@ -127,7 +127,7 @@ TEST_F(Ends, FindEachOtherAndAgreeOnCommands) {
     OperatorEnd end(to_, options, 0, kTick_s);
     EXPECT_TRUE(until([&] { return end.news().heard && robot_.state() == RobotState::kFollowing; }, &end));
     EXPECT_TRUE(until([&] { return !end.agreement().windows().empty(); }, &end));
-    EXPECT_NEAR(end.agreement().windows()[0].felt_n.x(), 1, 1e-12);
+    EXPECT_NEAR(end.agreement().windows()[0].displayed_n.x(), 1, 1e-12);
     EXPECT_LT(end.news().round_trip_s, 0.5);
     EXPECT_EQ(end.counts().forged, 0U);
     EXPECT_EQ(server_->counts().forged, 0U);
@@ -176,13 +176,13 @@ TEST_F(Ends, AStrangerWithoutTheKeyMovesNothing) {
   EndOptions options;
   options.key = kOtherKey;
   OperatorEnd stranger(to_, options, 0, kTick_s);
-  EXPECT_FALSE(until([&] { return robot_.session() != 0; }, &stranger));
+  EXPECT_FALSE(until([&] { return robot_.connection() != 0; }, &stranger));
   EXPECT_GT(server_->counts().forged, 0U);
   EXPECT_FALSE(stranger.news().ever);
   UdpPort port("to", "127.0.0.1:0");
   port.send(to_, commandOf(5, 1));  // unsigned
-  EXPECT_TRUE(until([&] { return server_->counts().forged > 10 || robot_.session() != 0; }, &stranger));
-  EXPECT_EQ(robot_.session(), 0U);
+  EXPECT_TRUE(until([&] { return server_->counts().forged > 10 || robot_.connection() != 0; }, &stranger));
+  EXPECT_EQ(robot_.connection(), 0U);
 }
 
 TEST_F(Ends, WhatHasBeenListenedToIsOfNoUse) {
@@ -197,18 +197,18 @@ TEST_F(Ends, WhatHasBeenListenedToIsOfNoUse) {
   const Packet greeting = friendly.seal(commandOf(5, 1));
   port.send(to_, greeting);
   ASSERT_EQ(friendly.open(answer()).proof, PacketSeal::Proof::kFresh);
-  EXPECT_EQ(robot_.session(), 0U) << "a greeting commands nothing";
+  EXPECT_EQ(robot_.connection(), 0U) << "a greeting commands nothing";
   const Packet kept = friendly.seal(commandOf(5, 2));
   port.send(to_, kept);
   ASSERT_TRUE(until([&] { return server_->counts().taken == 1; }, nullptr));
   UdpPort thief("to", "127.0.0.1:0");
   thief.send(to_, kept);
-  ASSERT_TRUE(until([&] { return server_->counts().replayed == 1; }, nullptr)) << "in the same session";
+  ASSERT_TRUE(until([&] { return server_->counts().replayed == 1; }, nullptr)) << "in the same connection";
   port.send(to_, friendly.seal(commandOf(6, 1)));
   ASSERT_TRUE(until([&] { return server_->counts().taken == 2; }, nullptr)) << "the operator began anew";
   thief.send(to_, kept);
-  ASSERT_TRUE(until([&] { return server_->counts().replayed == 2; }, nullptr)) << "of a session that is over";
-  EXPECT_EQ(robot_.session(), 6U);
+  ASSERT_TRUE(until([&] { return server_->counts().replayed == 2; }, nullptr)) << "of a connection that is over";
+  EXPECT_EQ(robot_.connection(), 6U);
 }
 
 TEST_F(Ends, ARobotThatIsStartedAgainIsLedAgain) {
@@ -218,7 +218,7 @@ TEST_F(Ends, ARobotThatIsStartedAgainIsLedAgain) {
     options.key = key;
     OperatorEnd end(to_, options, 0, kTick_s);
     ASSERT_TRUE(until([&] { return end.news().heard && server_->counts().taken > 0; }, &end));
-    const std::uint32_t before = end.news().state.robot_session;
+    const std::uint32_t before = end.news().state.robot_connection;
     options.listen = to_;
     server_.reset();
     server_.emplace(robot_, options, kTick_s);
@@ -227,7 +227,7 @@ TEST_F(Ends, ARobotThatIsStartedAgainIsLedAgain) {
       (void)until([&] { return server_->counts().taken > 0; }, &end);
     }
     EXPECT_GT(server_->counts().taken, 0U);
-    EXPECT_TRUE(until([&] { return end.news().state.robot_session != before; }, &end));
+    EXPECT_TRUE(until([&] { return end.news().state.robot_connection != before; }, &end));
   }
 }
 
@@ -238,13 +238,13 @@ TEST_F(Ends, WithoutAKeyTheFirstIsHeardUntilItFallsSilent) {
   ASSERT_TRUE(until([&] { return server_->counts().taken == 1; }, nullptr));
   second.send(to_, commandOf(6, 1));
   ASSERT_TRUE(until([&] { return server_->counts().strangers == 1; }, nullptr));
-  EXPECT_EQ(robot_.session(), 5U);
+  EXPECT_EQ(robot_.connection(), 5U);
   for (int tick = 0; tick < 3100; ++tick) {
     server_->answer();
   }
   second.send(to_, commandOf(6, 2));
   ASSERT_TRUE(until([&] { return server_->counts().taken == 2; }, nullptr));
-  EXPECT_EQ(robot_.session(), 6U);
+  EXPECT_EQ(robot_.connection(), 6U);
 }
 
 TEST_F(Ends, RubbishIsCountedAndDropped) {

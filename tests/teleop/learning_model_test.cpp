@@ -18,7 +18,7 @@ const StrengthMap& strengths() {
 /// A blade 35 mm deep that goes on and on at 30 mm/s; from so far on it meets `met` times what was felt.
 class Cutting {
  public:
-  explicit Cutting(LearningModel& model, const Vec3& felt_n = {-10, 0, 1}) : felt_n_(felt_n), model_(model) {}
+  explicit Cutting(LearningModel& model, const Vec3& displayed_n = {-10, 0, 1}) : felt_n_(displayed_n), model_(model) {}
 
   /// The robot's report of 20 ticks, which comes `late` ticks later than it happens.
   void report(std::uint64_t index, double met, std::uint64_t late = 0) {
@@ -109,14 +109,14 @@ TEST(LearningModel, BecomesWeakerWhileTheToolIsLiftedOrInStepsThatNobodyFeels) {
 
 // Where an edge goes in, soil pushes it up. That grows with strength otherwise than the force of a cut.
 TEST(LearningModel, LearnsFromCutsAlone) {
-  for (const Vec3& felt_n : {Vec3(0, 0, 8), Vec3(4, 0, 10), Vec3(-5, 0, 8), Vec3(0, 8, 0)}) {
+  for (const Vec3& displayed_n : {Vec3(0, 0, 8), Vec3(4, 0, 10), Vec3(-5, 0, 8), Vec3(0, 8, 0)}) {
     LearningModel model(digModel(), strengths());
-    Cutting cutting(model, felt_n);
+    Cutting cutting(model, displayed_n);
     for (std::uint64_t index = 20; index <= 4000; index += 20) {
       cutting.report(index, 0.4);
     }
     cutting.goOn(6000);
-    EXPECT_EQ(model.updates(), 0U) << felt_n.transpose();
+    EXPECT_EQ(model.updates(), 0U) << displayed_n.transpose();
   }
 }
 

@@ -32,15 +32,15 @@ class RobotOverSoil : public testing::Test {
   }
 
   /// Where the hand is: at home, or moved from there by what a test asks for.
-  static CommandKey at(std::uint64_t index, const Vec3& position_m, const Vec3& velocity_m_s = Vec3::Zero()) {
-    CommandKey key;
+  static Keyframe at(std::uint64_t index, const Vec3& position_m, const Vec3& velocity_m_s = Vec3::Zero()) {
+    Keyframe key;
     key.index = index;
     key.hand.pose.position_m = position_m;
     key.hand.twist.linear_m_s = velocity_m_s;
     return key;
   }
   /// Down into the soil and to and fro in it, from the 2nd second on.
-  static CommandKey digging(std::uint64_t index) {
+  static Keyframe digging(std::uint64_t index) {
     const double t = static_cast<double>(index) * kTick_s;
     const double down = std::min(1.0, std::max(0.0, t - 2));
     const double s = down * down * (3 - 2 * down);
@@ -54,7 +54,7 @@ class RobotOverSoil : public testing::Test {
   void run(double duration_s, Hand&& hand, bool link = true, bool held = true) {
     for (const auto end = static_cast<std::uint64_t>(std::llround(duration_s / kTick_s)) + now_; now_ < end; ++now_) {
       if (link && now_ % kPeriod == 0) {
-        robot_->take(session_, held, std::vector{hand(now_ - begun_)});
+        robot_->take(connection_, held, std::vector{hand(now_ - begun_)});
       }
       robot_->tick();
       if (robot_->state() == RobotState::kFollowing) {
@@ -67,7 +67,7 @@ class RobotOverSoil : public testing::Test {
 
   std::optional<Scene> scene_;
   std::optional<Robot> robot_;
-  std::uint32_t session_ = 1;
+  std::uint32_t connection_ = 1;
   std::uint64_t now_ = 0, begun_ = 0;
   double furthest_m_ = 0;
 };
@@ -81,7 +81,7 @@ TEST_F(RobotOverSoil, TaresThenFollowsWithinAMillimetreInTheAirAndThreeInSoil) {
   run(6, digging);
   EXPECT_EQ(robot_->state(), RobotState::kFollowing);
   EXPECT_LT(furthest_m_, 3e-3);
-  EXPECT_GT(scene_->felt().wrench.force_n.norm(), 0.02) << "it digs";
+  EXPECT_GT(scene_->soilWrench().force_n.norm(), 0.02) << "it digs";
   EXPECT_EQ(robot_->stops(), 0U);
 }
 
@@ -116,7 +116,7 @@ TEST_F(RobotOverSoil, StandsStillInSilenceThenLiftsTheToolOutAndComesBack) {
   expectAtRest();
   const auto away = [](std::uint64_t index) { return at(index, {0.01, 0.01, 0.09}); };
   run(6, away);
-  EXPECT_EQ(robot_->state(), RobotState::kFollowing) << "the session goes on";
+  EXPECT_EQ(robot_->state(), RobotState::kFollowing) << "the connection goes on";
   EXPECT_LT((robot_->tool().pose.position_m - Vec3(0.01, 0.01, 0.09)).norm(), 1e-3);
 }
 
@@ -164,7 +164,7 @@ TEST_F(RobotOverSoil, AHandThatLetsGoStopsIt) {
 
 TEST_F(RobotOverSoil, AnOperatorWhoBeginsAnewInMidStrokeStopsItAndIsFollowedThen) {
   run(5, digging);
-  session_ = 2;
+  connection_ = 2;
   begun_ = now_;  // its ticks begin at 0 again
   const auto still = [](std::uint64_t index) { return at(index, {0, 0, 0.09}); };
   run(0.2, still);
@@ -172,7 +172,7 @@ TEST_F(RobotOverSoil, AnOperatorWhoBeginsAnewInMidStrokeStopsItAndIsFollowedThen
   expectAtRest();
   run(5, still);
   EXPECT_EQ(robot_->state(), RobotState::kFollowing);
-  EXPECT_EQ(robot_->session(), 2U);
+  EXPECT_EQ(robot_->connection(), 2U);
 }
 
 TEST_F(RobotOverSoil, ARobotThatBeginsAnewInMidStrokeGoesAboveTheSoilToWhereTheHandIs) {
@@ -191,11 +191,11 @@ TEST_F(RobotOverSoil, ARobotThatBeginsAnewInMidStrokeGoesAboveTheSoilToWhereTheH
 }
 
 TEST_F(RobotOverSoil, BeginsWithWhatIsNewNotWithWhatIsSentAgain) {
-  std::vector<CommandKey> keys;
+  std::vector<Keyframe> keyframes;
   for (std::uint64_t index = 4000; index <= 6400; index += 300) {
-    keys.push_back(at(index, {0, 0, 0.09}));
+    keyframes.push_back(at(index, {0, 0, 0.09}));
   }
-  robot_->take(1, true, keys);
+  robot_->take(1, true, keyframes);
   robot_->tick();
   EXPECT_GT(robot_->index(), 6300);
 }
@@ -214,7 +214,7 @@ TEST_F(RobotOverSoil, PullsNoHarderThanItsCapAndStaysBehind) {
   for (int i = 0; i < 600; ++i) {
     run(0.01, down);
     at_cap = at_cap || robot_->atForceCap();
-    strongest_n = std::max(strongest_n, scene_->felt().wrench.force_n.norm());
+    strongest_n = std::max(strongest_n, scene_->soilWrench().force_n.norm());
   }
   EXPECT_TRUE(at_cap);
   EXPECT_GT(robot_->tool().pose.position_m.z(), -0.03) << "the soil holds it";
@@ -262,7 +262,7 @@ TEST_F(RobotOverSoil, CommandsFasterThanItMayMoveAreFollowedLate) {
 
 TEST_F(RobotOverSoil, WhatIsNoNumberEndsIt) {
   run(2, digging);
-  robot_->take(session_, true, std::vector{at(now_ + 20, {std::numeric_limits<double>::quiet_NaN(), 0, 0})});
+  robot_->take(connection_, true, std::vector{at(now_ + 20, {std::numeric_limits<double>::quiet_NaN(), 0, 0})});
   run(1, digging);
   EXPECT_EQ(robot_->state(), RobotState::kFailed);
   EXPECT_EQ(robot_->reason(), StopReason::kFault);

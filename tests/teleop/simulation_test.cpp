@@ -36,14 +36,14 @@ std::vector<double> metOf(const TeleopResult& result) {
 
 /// Mean size of the force that was felt over that of the one that was met.
 double feltOverMet(const TeleopResult& result, double from_s, double to_s) {
-  double felt_n = 0, met_n = 0;
+  double displayed_n = 0, met_n = 0;
   for (const AgreementPoint& window : result.agreement.windows()) {
     if (window.time_s >= from_s && window.time_s < to_s) {
-      felt_n += window.felt_n.norm();
+      displayed_n += window.displayed_n.norm();
       met_n += window.met_n.norm();
     }
   }
-  return felt_n / met_n;
+  return displayed_n / met_n;
 }
 
 TEST(TeleopSimulation, TheSameBedOnBothSidesGivesTheSameForce) {
@@ -329,8 +329,8 @@ TEST(ForceAgreement, IsTheRootOfMeanSquaresOfWindowsInAnyOrder) {
   EXPECT_TRUE(std::isnan(agreement.share(5, 6)));
 }
 
-TEST(FeltTrack, IsTheMeanOverAnyStretchThatIsKnown) {
-  FeltTrack track;
+TEST(DisplayedForceTrack, IsTheMeanOverAnyStretchThatIsKnown) {
+  DisplayedForceTrack track;
   for (std::uint64_t i = 0; i < 100000; ++i) {
     track.add(i, {static_cast<double>(i), 0, 1});
   }

@@ -23,7 +23,7 @@ constexpr double kTick_s = 1e-3;
 
 SitePacket somePacket() {
   SitePacket packet;
-  packet.robot_session = 7;
+  packet.robot_connection = 7;
   packet.grid = {-0.25, -0.5, 0.125, 20, 3};
   packet.column = 16;
   packet.row = 1;
@@ -48,7 +48,7 @@ TEST(SitePacket, ComesOutAsItWentIn) {
   EXPECT_EQ(bytes.size(), SitePacket::kHeaderBytes + 2 * packet.steps.size());
   const auto parsed = parseSite(bytes);
   ASSERT_TRUE(parsed);
-  EXPECT_EQ(parsed->robot_session, packet.robot_session);
+  EXPECT_EQ(parsed->robot_connection, packet.robot_connection);
   EXPECT_EQ(parsed->grid, packet.grid);
   EXPECT_EQ(std::vector({parsed->column, parsed->row, parsed->columns, parsed->rows}),
             (std::vector<std::size_t>{16, 1, 4, 2}));
@@ -84,7 +84,7 @@ TEST(SitePacket, RefusesWhatMakesNoSense) {
   EXPECT_FALSE(parseSite({}));
   EXPECT_FALSE(parseSite(with(0, 'X')));
   EXPECT_FALSE(parseSite(with<std::uint16_t>(4, 2))) << "of another version";
-  EXPECT_FALSE(parseSite(with<std::uint32_t>(8, 0))) << "no session";
+  EXPECT_FALSE(parseSite(with<std::uint32_t>(8, 0))) << "no connection";
   EXPECT_FALSE(parseSite(with<std::uint16_t>(12, 19))) << "beyond the map";
   EXPECT_FALSE(parseSite(with<std::uint16_t>(14, 1025))) << "too large a map";
   SitePacket large = somePacket();
@@ -144,7 +144,7 @@ TEST(SiteMap, KnowsTheNewestOfEachCellInWhateverOrderItCame) {
   EXPECT_TRUE(map.take(packet));
   EXPECT_DOUBLE_EQ(map.heights()[1 * 20 + 19], 0.01);
   EXPECT_EQ(map.taken(), 2U);
-  packet.robot_session = 8;  // another robot: nothing is known of its site
+  packet.robot_connection = 8;  // another robot: nothing is known of its site
   packet.number = 1;
   packet.columns = packet.rows = 1;
   packet.steps = {50};
@@ -173,7 +173,7 @@ TEST(SiteCamera, TellsTheWholeSiteAndThenFirstWhatChanges) {
         std::this_thread::sleep_for(std::chrono::microseconds(100));
       }
       if (std::optional<SitePacket> packet = camera.tick(static_cast<std::uint64_t>(tick))) {
-        packet->robot_session = 1;
+        packet->robot_connection = 1;
         const auto sent = parseSite(bytesOf(*packet));
         ASSERT_TRUE(sent);
         map.take(*sent);

@@ -121,7 +121,7 @@ SiteMap dugSite(const Site& site, std::uint64_t command) {
   std::uint64_t number = 0;
   for (std::size_t row = 0; row < site.grid.rows; row += SitePacket::kSide) {
     for (std::size_t column = 0; column < site.grid.columns; column += SitePacket::kSide) {
-      SitePacket packet{.robot_session = 1, .grid = site.grid, .column = column, .row = row};
+      SitePacket packet{.robot_connection = 1, .grid = site.grid, .column = column, .row = row};
       packet.columns = std::min(SitePacket::kSide, site.grid.columns - column);
       packet.rows = std::min(SitePacket::kSide, site.grid.rows - row);
       packet.number = ++number;
@@ -203,7 +203,7 @@ TEST(SurfaceMender, HoldsOutWhateverMapItIsGiven) {
     std::uint64_t number = 0;
     for (std::size_t row = 0; row < grid.rows; row += SitePacket::kSide) {
       for (std::size_t column = 0; column < grid.columns; column += SitePacket::kSide) {
-        SitePacket packet{.robot_session = 1, .grid = grid, .column = column, .row = row};
+        SitePacket packet{.robot_connection = 1, .grid = grid, .column = column, .row = row};
         packet.columns = std::min(SitePacket::kSide, grid.columns - column);
         packet.rows = std::min(SitePacket::kSide, grid.rows - row);
         packet.number = ++number;

@@ -105,7 +105,7 @@ TEST(TaskJudge, ATrenchIsDoneOnceTheMapShowsIt) {
   judge.look(site);
   EXPECT_TRUE(std::isnan(judge.reached()));
   constexpr HeightGrid kSmall{-0.08, -0.04, 0.01, 16, 8};
-  SitePacket packet{.robot_session = 1, .grid = kSmall, .columns = 16, .rows = 8, .number = 1};
+  SitePacket packet{.robot_connection = 1, .grid = kSmall, .columns = 16, .rows = 8, .number = 1};
   packet.steps.assign(kSmall.cells(), static_cast<std::int16_t>(-0.03 / SitePacket::kStep_m));
   ASSERT_TRUE(site.take(packet));
   judge.look(site);

@@ -26,7 +26,7 @@ std::vector<double> dug(double depth_m) {
 }
 
 SitePacket seen(double depth_m, std::uint64_t number) {
-  SitePacket packet{.robot_session = 1, .grid = kGrid, .columns = 16, .rows = 16, .number = number};
+  SitePacket packet{.robot_connection = 1, .grid = kGrid, .columns = 16, .rows = 16, .number = number};
   for (const double height_m : dug(depth_m)) {
     packet.steps.push_back(static_cast<std::int16_t>(std::lround(height_m / SitePacket::kStep_m)));
   }
@@ -121,13 +121,13 @@ TEST(TaskOperator, PressesUntilTheRobotHasMetWhatItIsToMeet) {
     SiteMap site;
     double now_s = 0;
     for (std::uint64_t tick = 0; !hand.done() && now_s < 100; ++tick, now_s += kTick_s) {
-      const double felt_n = std::max(0.0, -kStiffness_n_m * tool.position_m.z());
-      met.push_back(kRatio * felt_n);
+      const double displayed_n = std::max(0.0, -kStiffness_n_m * tool.position_m.z());
+      met.push_back(kRatio * displayed_n);
       const bool heard = met.size() > 1000;
       TaskSight sight{now_s,
                       tick,
                       tool,
-                      has_model ? felt_n : heard ? met.front() : 0,
+                      has_model ? displayed_n : heard ? met.front() : 0,
                       heard ? met.front() : 0,
                       heard ? tick - 1000 : 0,
                       &site};

@@ -13,20 +13,20 @@
 namespace haptolith {
 namespace {
 
-CommandPacket someCommand(std::size_t keys) {
+CommandPacket someCommand(std::size_t keyframes) {
   CommandPacket packet;
   packet.tare = true;
-  packet.session = 7;
+  packet.connection = 7;
   packet.number = 123456789012;
   packet.sender_time = 42;
-  for (std::size_t i = 0; i < keys; ++i) {
-    CommandKey key;
+  for (std::size_t i = 0; i < keyframes; ++i) {
+    Keyframe key;
     key.index = 1000 + 20 * i;
     key.hand.pose.position_m = {0.1 + 0.01 * static_cast<double>(i), -0.2, 0.3};
     key.hand.pose.orientation = Eigen::AngleAxisd(0.5, Vec3(1, 2, 2) / 3);
     key.hand.twist = {{0.1, 0.2, -0.3}, {1, -2, 3}};
     key.hand.opening = 0.25;
-    packet.keys.push_back(key);
+    packet.keyframes.push_back(key);
   }
   return packet;
 }
@@ -34,8 +34,8 @@ CommandPacket someCommand(std::size_t keys) {
 StatePacket someState(std::size_t reports) {
   StatePacket packet;
   packet.at_force_cap = packet.at_edge = true;
-  packet.operator_session = 7;
-  packet.robot_session = 9;
+  packet.operator_connection = 7;
+  packet.robot_connection = 9;
   packet.number = 5;
   packet.sender_time = 42;
   packet.newest = 1100;
@@ -65,14 +65,14 @@ TEST(CommandPacket, ComesOutAsItWentIn) {
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->held);
   EXPECT_TRUE(read->tare);
-  EXPECT_EQ(read->session, 7U);
+  EXPECT_EQ(read->connection, 7U);
   EXPECT_EQ(read->number, sent.number);
   EXPECT_EQ(read->sender_time, 42U);
-  ASSERT_EQ(read->keys.size(), 7U);
+  ASSERT_EQ(read->keyframes.size(), 7U);
   for (std::size_t i = 0; i < 7; ++i) {
-    const HandState& was = sent.keys[i].hand;
-    const HandState& is = read->keys[i].hand;
-    EXPECT_EQ(read->keys[i].index, sent.keys[i].index);
+    const HandState& was = sent.keyframes[i].hand;
+    const HandState& is = read->keyframes[i].hand;
+    EXPECT_EQ(read->keyframes[i].index, sent.keyframes[i].index);
     EXPECT_LT((is.pose.position_m - was.pose.position_m).norm(), 5e-8) << "half a micrometre at 10 m";
     EXPECT_LT(is.pose.orientation.angularDistance(was.pose.orientation), 1e-6);
     EXPECT_LT((is.twist.linear_m_s - was.twist.linear_m_s).norm(), 1e-7);
@@ -86,16 +86,16 @@ TEST(CommandPacket, HasItsValuesWhereItSays) {
   EXPECT_EQ(std::memcmp(bytes.data(), "HLTC", 4), 0);
   EXPECT_EQ(bytes[4], 1) << "version";
   EXPECT_EQ(bytes[6], 3) << "held, tare";
-  EXPECT_EQ(bytes[8], 7) << "session";
+  EXPECT_EQ(bytes[8], 7) << "connection";
   EXPECT_EQ(bytes[12], 1) << "one key";
   put(bytes, 32, std::uint64_t{77});
   put(bytes, 32 + 16, 0.75F);
   put(bytes, 32 + 60, 1.0F);
   const auto read = parseCommand(bytes);
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->keys[0].index, 77U);
-  EXPECT_EQ(read->keys[0].hand.pose.position_m.z(), 0.75);
-  EXPECT_EQ(read->keys[0].hand.opening, 1);
+  EXPECT_EQ(read->keyframes[0].index, 77U);
+  EXPECT_EQ(read->keyframes[0].hand.pose.position_m.z(), 0.75);
+  EXPECT_EQ(read->keyframes[0].hand.opening, 1);
 }
 
 TEST(CommandPacket, WhatIsMalformedIsNotTaken) {
@@ -108,12 +108,12 @@ TEST(CommandPacket, WhatIsMalformedIsNotTaken) {
   };
   refused("magic", 0, 'X');
   refused("version", 4, std::uint16_t{2});
-  refused("no session", 8, std::uint32_t{0});
-  refused("no keys", 12, std::uint32_t{0});
-  refused("fewer keys than there are", 12, std::uint32_t{1});
-  refused("more keys than there are", 12, std::uint32_t{3});
-  refused("countless keys", 12, std::numeric_limits<std::uint32_t>::max());
-  refused("keys that do not grow", 32 + 64, std::uint64_t{1000});
+  refused("no connection", 8, std::uint32_t{0});
+  refused("no keyframes", 12, std::uint32_t{0});
+  refused("fewer keyframes than there are", 12, std::uint32_t{1});
+  refused("more keyframes than there are", 12, std::uint32_t{3});
+  refused("countless keyframes", 12, std::numeric_limits<std::uint32_t>::max());
+  refused("keyframes that do not grow", 32 + 64, std::uint64_t{1000});
   refused("NaN", 32 + 8, std::numeric_limits<float>::quiet_NaN());
   refused("infinity", 32 + 12, std::numeric_limits<float>::infinity());
   refused("beyond 10 m", 32 + 8, 10.5F);
@@ -139,8 +139,8 @@ TEST(StatePacket, ComesOutAsItWentIn) {
   EXPECT_TRUE(read->at_force_cap);
   EXPECT_FALSE(read->at_speed_cap);
   EXPECT_TRUE(read->at_edge);
-  EXPECT_EQ(read->operator_session, 7U);
-  EXPECT_EQ(read->robot_session, 9U);
+  EXPECT_EQ(read->operator_connection, 7U);
+  EXPECT_EQ(read->robot_connection, 9U);
   EXPECT_EQ(read->newest, 1100U);
   EXPECT_EQ(read->state, RobotState::kHolding);
   EXPECT_EQ(read->reason, StopReason::kForce);
@@ -159,7 +159,7 @@ TEST(StatePacket, WhatIsMalformedIsNotTaken) {
     EXPECT_FALSE(parseState(bytes)) << what;
   };
   refused("magic", 3, 'C');
-  refused("no session of its own", 12, std::uint32_t{0});
+  refused("no connection of its own", 12, std::uint32_t{0});
   refused("state", 40, std::uint8_t{7});
   refused("reason", 41, std::uint8_t{8});
   refused("count", 42, std::uint16_t{65535});
@@ -176,7 +176,7 @@ TEST(TeleopPackets, RandomBytesAreNone) {
       bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     }
     if (const auto command = parseCommand(bytes)) {
-      for (const CommandKey& key : command->keys) {
+      for (const Keyframe& key : command->keyframes) {
         EXPECT_TRUE(key.hand.pose.position_m.allFinite());
         EXPECT_NEAR(key.hand.pose.orientation.norm(), 1, 1e-9);
       }
@@ -194,10 +194,10 @@ TEST(TeleopPackets, HoldAtMostWhatTheySay) {
 
 TEST(TeleopHeader, DescribesThePacketsForC) {
   static_assert(sizeof(hapto_teleop_command_header) == CommandPacket::kHeaderBytes);
-  static_assert(sizeof(hapto_teleop_command_key) == CommandPacket::kKeyBytes);
+  static_assert(sizeof(hapto_teleop_command_key) == CommandPacket::kKeyframeBytes);
   static_assert(sizeof(hapto_teleop_state_header) == StatePacket::kHeaderBytes);
   static_assert(sizeof(hapto_teleop_robot_report) == StatePacket::kReportBytes);
-  static_assert(HAPTO_TELEOP_MOST_KEYS == CommandPacket::kMostKeys &&
+  static_assert(HAPTO_TELEOP_MOST_KEYS == CommandPacket::kMostKeyframes &&
                 HAPTO_TELEOP_MOST_KEYS == StatePacket::kMostReports);
   static_assert(HAPTO_ROBOT_FAILED == static_cast<int>(RobotState::kFailed) &&
                 HAPTO_ROBOT_FOLLOWING == static_cast<int>(RobotState::kFollowing) &&
@@ -228,9 +228,9 @@ TEST(TeleopHeader, DescribesThePacketsForC) {
   EXPECT_EQ(report.torque_nm[2], 0.3F);
 }
 
-TEST(KeyHistory, SendsWhatMayHaveBeenLostAgain) {
-  KeyHistory<int> movement({8, 4, 2, 1, 0});
-  KeyHistory<int> forces(reportLags(3));
+TEST(KeyframeHistory, SendsWhatMayHaveBeenLostAgain) {
+  KeyframeHistory<int> movement({8, 4, 2, 1, 0});
+  KeyframeHistory<int> forces(reportLags(3));
   std::vector<int> sent, told;
   for (int i = 0; i <= 20; ++i) {
     sent = movement.add(i);
@@ -254,16 +254,16 @@ TEST(SendingOver, FillsNoMoreThanFourFifthsOfALink) {
     LinkParameters way;
     way.rate_bit_s = rate_bit_s;
     const Sending sending = sendingOver(way, way);
-    const double up_bytes = 28 + 32 + 64.0 * static_cast<double>(sending.command_keys);
+    const double up_bytes = 28 + 32 + 64.0 * static_cast<double>(sending.command_keyframes);
     const double down_bytes = 28 + 48 + 72.0 * static_cast<double>(sending.report_keys);
     if (rate_bit_s > 0) {
       EXPECT_LE(8 * up_bytes / sending.period_s, 0.8 * rate_bit_s) << rate_bit_s;
       EXPECT_LE(8 * down_bytes / sending.period_s, 0.8 * rate_bit_s) << rate_bit_s;
     }
-    const auto furthest = static_cast<double>(commandLags(sending.period_s, sending.command_keys).front());
+    const auto furthest = static_cast<double>(commandLags(sending.period_s, sending.command_keyframes).front());
     EXPECT_GE(furthest * sending.period_s, 0.3) << rate_bit_s;
   }
-  EXPECT_EQ(sendingOver({}, {}).command_keys, 13U);
+  EXPECT_EQ(sendingOver({}, {}).command_keyframes, 13U);
 }
 
 }  // namespace

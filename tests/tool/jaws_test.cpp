@@ -182,7 +182,7 @@ TEST(Jaws, ClosedWithoutAGapAreABoxOfTwiceTheThickness) {
   while (with_jaws.at.size() < 300) {
     const Vec3 x(0.013 * uniformSigned(random), 0.028 * uniformSigned(random), 0.033 * uniformSigned(random));
     if (!deep(x)) {
-      with_jaws.add(pose.toScene(x), anyVector(random, 0.1));
+      with_jaws.add(pose.fromBody(x), anyVector(random, 0.1));
     }
   }
   Grains with_box = with_jaws;
@@ -309,7 +309,7 @@ TEST(Jaws, GiveTheSoilThePowerThatTheirWrenchAndTheirGripTake) {
     const Vec3 from_jaw(std::abs(x.x()) - 0.0175, std::abs(x.y()), std::abs(x.z()));
     const bool over_face = from_jaw.y() < 0.018 && from_jaw.z() < 0.023;
     if (over_face && std::abs(from_jaw.x()) > 0.0045 && std::abs(from_jaw.x()) < 0.0085) {
-      grains.add(pose.toScene(x), anyVector(random, 0.05));
+      grains.add(pose.fromBody(x), anyVector(random, 0.05));
     }
   }
   ASSERT_GT(grains.at.size(), 50U);
@@ -446,7 +446,7 @@ TEST(JawsInAScene, MoveEvenlyToWhereTheyAreAsked) {
   EXPECT_DOUBLE_EQ(scene.opening(), 0.03);
   scene.placeTool({{above, {}}, -3});
   EXPECT_DOUBLE_EQ(scene.opening(), 0) << "placed, not moved";
-  EXPECT_EQ(scene.felt().grip_n, 0);
+  EXPECT_EQ(scene.soilForce().grip_n, 0);
   ToolParameters other = jaws(0.04);
   scene.placeTool({{above, {}}, 1});
   scene.setTool(other);
@@ -463,9 +463,9 @@ TEST(JawsInAScene, AreNoticedByNoOtherTool) {
     for (int i = 1; i <= 200; ++i) {
       const Movement down{{Vec3(0, 0, 0.05 - 1e-4 * i), Quat::Identity()}, {Vec3(0, 0, -0.1), Vec3::Zero()}};
       EXPECT_EQ(scene.tick({down, i % 2 == 0 ? opening : 1}), StepStatus::kOk);
-      EXPECT_EQ(scene.felt().grip_n, 0);
+      EXPECT_EQ(scene.soilForce().grip_n, 0);
     }
-    EXPECT_GT(scene.felt().wrench.force_n.norm(), 0);
+    EXPECT_GT(scene.soilWrench().force_n.norm(), 0);
     return stateHash(scene.bed().state());
   };
   EXPECT_EQ(hashAfter(0), hashAfter(1));
@@ -483,8 +483,8 @@ TEST(JawsInAScene, LetNothingThroughWhenTheySnapShut) {
         const double x = scene.bed().state().position[0].x;
         ASSERT_LT(std::abs(x), scene.opening() / 2 + 0.0025) << speed_m_s << " " << x_m << " tick " << i;
       }
-      EXPECT_NEAR(scene.felt().grip_n, 500 * 0.0025, 0.05) << speed_m_s << " " << x_m;
-      EXPECT_LT(std::abs(scene.felt().wrench.force_n.x()), 0.05) << "it has come to rest in the middle";
+      EXPECT_NEAR(scene.soilForce().grip_n, 500 * 0.0025, 0.05) << speed_m_s << " " << x_m;
+      EXPECT_LT(std::abs(scene.soilWrench().force_n.x()), 0.05) << "it has come to rest in the middle";
     }
   }
 }
@@ -505,13 +505,13 @@ TEST(JawsInAScene, GatherSoilAndFeelItBetweenThem) {
   Scene scene(bed, jaws(0.04));
   scene.placeTool({{{Vec3(0, 0, 0.12), Quat::Identity()}, {}}});
   lead(scene, 0.12, 0.045, 1, 1, 500);
-  const double open_n = scene.felt().grip_n;
+  const double open_n = scene.soilForce().grip_n;
   lead(scene, 0.045, 0.045, 1, 0.3, 40);  // 28 mm in 40 ms, to less than a particle
-  EXPECT_GT(scene.felt().grip_n, open_n + 0.2);
+  EXPECT_GT(scene.soilForce().grip_n, open_n + 0.2);
   lead(scene, 0.045, 0.12, 0.3, 0.3, 500);
-  EXPECT_GT(scene.felt().grip_n, 0.05) << "something is still between them";
+  EXPECT_GT(scene.soilForce().grip_n, 0.05) << "something is still between them";
   lead(scene, 0.12, 0.12, 0.3, 1, 100);
-  EXPECT_NEAR(scene.felt().grip_n, 0, 0.05);
+  EXPECT_NEAR(scene.soilForce().grip_n, 0, 0.05);
 }
 
 TEST(JawsInAScene, ShellsCarryWhatFlatOnesDrop) {

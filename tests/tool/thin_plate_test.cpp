@@ -52,7 +52,7 @@ class OneParticle {
   explicit OneParticle(const Vec3& centre, const Vec3& gravity = Vec3::Zero()) : scene_(parameters(gravity), {}) {
     // The others of the smallest bed go to the far corners' outside, where neither tool nor particle comes.
     BedState state = scene_.bed().state();
-    for (auto* records : {&state.position, &state.listed_at}) {
+    for (auto* records : {&state.position, &state.reference_position}) {
       (*records)[0] = {static_cast<float>(centre.x()), static_cast<float>(centre.y()), static_cast<float>(centre.z()),
                        0};
     }
@@ -98,7 +98,7 @@ TEST(ThinPlate, SqueezesAParticleAgainstAWallWithoutLettingItThrough) {
       ASSERT_EQ(one.scene().tick({{{held, kBlade}, {}}}), StepStatus::kOk);
       ASSERT_GT(one.centre().x(), held.x()) << speed;
     }
-    EXPECT_LT(one.scene().felt().wrench.force_n.x(), -0.5);  // it pushes back
+    EXPECT_LT(one.scene().soilWrench().force_n.x(), -0.5);  // it pushes back
   }
 }
 
@@ -107,7 +107,7 @@ TEST(ThinPlate, SqueezesAParticleAgainstTheFloorWithoutLettingItThrough) {
     OneParticle one(Vec3(0, 0, 0.0068), Vec3(0, 0, -1.625));
     sweep(one.scene(), kLevel, Vec3(0.005, 0.003, 0.06), Vec3(0.005, 0.003, 0.006 + 0.0025), speed,
           [&] { ASSERT_LT(one.centre().z(), one.scene().toolPose().position_m.z()) << speed; });
-    EXPECT_GT(one.scene().felt().wrench.force_n.z(), 0.5);
+    EXPECT_GT(one.scene().soilWrench().force_n.z(), 0.5);
   }
 }
 

@@ -69,7 +69,7 @@ TEST(ToolAndStones, AStoneOnTheToolWeighsWhatItWeighs) {
   scene.placeTool({{{Vec3(0, 0, 0.1), Quat::Identity()}, {}}});
   holdTool(scene, 3);
   const double weight_n = scene.bed().stones().mass(0) * kMoon_m_s2;
-  const Wrench felt = scene.felt().wrench;
+  const Wrench felt = scene.soilWrench();
   EXPECT_NEAR(felt.force_n.z(), -weight_n, 1e-3 * weight_n);
   EXPECT_NEAR(felt.force_n.head<2>().norm(), 0, 1e-3 * weight_n);
   // Its torque is that of a weight where the stone lies.
@@ -92,7 +92,7 @@ TEST(ToolAndStones, FrictionCarriesAStoneSidewaysUpToItsLimit) {
     hand.twist.linear_m_s = Vec3(0.4 * t, 0, 0);
     ASSERT_EQ(scene.tick(hand), StepStatus::kOk);
   }
-  EXPECT_NEAR(scene.felt().wrench.force_n.x(), -0.4 * scene.bed().stones().mass(0),
+  EXPECT_NEAR(scene.soilWrench().force_n.x(), -0.4 * scene.bed().stones().mass(0),
               0.05 * 0.4 * scene.bed().stones().mass(0));
   EXPECT_LT((scene.bed().stones().pose(0).position_m - scene.toolPose().position_m - on_tool).norm(), 5e-4);
 }
@@ -133,7 +133,7 @@ TEST(ToolAndStones, ATurningStoneRubsOnTheTool) {
   stones.place(0, stones.pose(0), {Vec3::Zero(), Vec3(0, 20, 0)});
   holdTool(scene, 0.05);
   EXPECT_GT(stones.twist(0).linear_m_s.x(), 0.01) << "it rolls off along x";
-  EXPECT_LT(scene.felt().wrench.force_n.x(), 0) << "and pushes the tool back";
+  EXPECT_LT(scene.soilWrench().force_n.x(), 0) << "and pushes the tool back";
 }
 
 TEST(ToolAndStones, GoOnFromASavedSceneBitForBit) {
@@ -147,8 +147,8 @@ TEST(ToolAndStones, GoOnFromASavedSceneBitForBit) {
   moveTool(scene, Vec3(0.01, 0, 0.11), 0.3);
   moveTool(again, Vec3(0.01, 0, 0.11), 0.3);
   EXPECT_EQ(again.bed().hash(), scene.bed().hash());
-  EXPECT_EQ(again.felt().wrench.force_n, scene.felt().wrench.force_n);
-  EXPECT_NE(scene.felt().wrench.force_n.z(), 0);
+  EXPECT_EQ(again.soilWrench().force_n, scene.soilWrench().force_n);
+  EXPECT_NE(scene.soilWrench().force_n.z(), 0);
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST(ToolContact, TurnsWithTheTool) {
   // The same, with the tool's z turned to the scene's x: the particle stands on the tool's upper face, towards +x.
   const Pose upright{Vec3(0.01, 0.02, 0.03), Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()))};
   Crowd crowd;
-  crowd.add(upright.toScene(Vec3(0.012, 0, 0.0085)));
+  crowd.add(upright.fromBody(Vec3(0.012, 0, 0.0085)));
   const Wrench on_tool = crowd.apply(kShovel, upright);
   EXPECT_LT((crowd.forceOn(0) - Vec3(0.5, 0, 0)).norm(), 3e-6);
   EXPECT_LT((on_tool.force_n - Vec3(-0.5, 0, 0)).norm(), 3e-6);

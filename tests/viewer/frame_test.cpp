@@ -289,7 +289,7 @@ TEST(Frame, ShowsWhatATurnedDeviceIsSentInTheScenesAxes) {
   (void)loop.snapshots().update();
   const SceneSnapshot& now = loop.snapshots().latest();
   EXPECT_EQ(now.device_wrench.force_n, device.sent_.force_n);
-  EXPECT_EQ(now.soil_wrench.force_n, scene.felt().wrench.force_n);
+  EXPECT_EQ(now.soil_wrench.force_n, scene.soilWrench().force_n);
   FrameEncoder encoder(1, scene.bed().particles(), kSpace);
   encoder.take(now, {});
   const auto bytes = encoder.frameSince(0);

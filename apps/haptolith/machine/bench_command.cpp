@@ -56,11 +56,11 @@ struct BenchRow {
   std::size_t particles = 0;
   FrictionModel friction = FrictionModel::kPaper;
   int threads = 1, substeps = 1;
-  Histogram tick_us{0.1}, relisting_us{0.01};
+  Histogram tick_us{0.1}, list_rebuild_us{0.01};
   double made_s = 0;  ///< how long it took to make the bed, before it settled unless it starts so
   double awake = 0;   ///< particles, in the mean of all ticks
   double bytes_per_particle = 0;
-  double relistings_per_tick = 0;
+  double list_rebuilds_per_tick = 0;
 
   [[nodiscard]] double particleStepsPerSecond() const { return awake * substeps / (1e-6 * tick_us.mean()); }
 };
@@ -135,14 +135,14 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
   HapticLoop loop(scene, device, LoopParameters{}, false);
   BenchRow row;
   row.made_s = 1e-9 * static_cast<double>(made_ns);
-  const std::uint64_t relisted_before = scene.bed().relistings();
-  (void)scene.bed().takeRelistingUs();  // of settling
+  const std::uint64_t rebuilt_before = scene.bed().listRebuilds();
+  (void)scene.bed().takeListRebuildUs();  // of settling
   const auto ticks = static_cast<std::uint64_t>(options.seconds / scene.bed().parameters().tick_s);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
       throw Failure(fmt::format("{}: {}", what, text(end)));
     }
-    row.relisting_us.add(scene.bed().takeRelistingUs());
+    row.list_rebuild_us.add(scene.bed().takeListRebuildUs());
     row.awake += static_cast<double>(scene.bed().awake()) / static_cast<double>(ticks);
     if (tick % 100 == 0) {
       if (stopAsked()) {
@@ -159,8 +159,8 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
   row.substeps = scene.substeps();
   row.tick_us = loop.statistics().tickUs();
   row.bytes_per_particle = static_cast<double>(scene.bed().bytes()) / static_cast<double>(row.particles);
-  row.relistings_per_tick =
-      static_cast<double>(scene.bed().relistings() - relisted_before) / static_cast<double>(ticks);
+  row.list_rebuilds_per_tick =
+      static_cast<double>(scene.bed().listRebuilds() - rebuilt_before) / static_cast<double>(ticks);
   return row;
 }
 
@@ -217,8 +217,8 @@ Json rowJson(const BenchRow& row, Manoeuvre hand) {
           {"ticks", row.tick_us.count()},
           {"tick_us", histogramJson(row.tick_us)},
           {"particle_steps_per_s", row.particleStepsPerSecond()},
-          {"relistings_per_tick", row.relistings_per_tick},
-          {"rebuild_us", {{"mean", row.relisting_us.mean()}, {"max", row.relisting_us.max()}}},
+          {"rebuilds_per_tick", row.list_rebuilds_per_tick},
+          {"rebuild_us", {{"mean", row.list_rebuild_us.mean()}, {"max", row.list_rebuild_us.max()}}},
           {"memory_bytes_per_particle", row.bytes_per_particle},
           {"made_s", row.made_s}};
 }
@@ -228,7 +228,7 @@ std::string rowText(const BenchRow& row) {
       "  {:>9} {:>9.0f} {:<8} {:>7} {:>8} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.1f} {:>8.0f} {:>7.0f} {:>7.1f}\n",
       row.particles, row.awake, wordFor(kFrictionWords, row.friction), row.threads, row.substeps,
       row.tick_us.percentile(0.5), row.tick_us.percentile(0.99), row.tick_us.percentile(0.999), row.tick_us.max(),
-      1e-6 * row.particleStepsPerSecond(), row.relisting_us.max(), row.bytes_per_particle, row.made_s);
+      1e-6 * row.particleStepsPerSecond(), row.list_rebuild_us.max(), row.bytes_per_particle, row.made_s);
 }
 
 void drawBench(const OutputFile& file, const std::vector<BenchRow>& rows) {

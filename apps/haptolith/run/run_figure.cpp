@@ -40,7 +40,7 @@ Rows toolEdges(const ToolParameters& tool, const Pose& pose, double opening_m) {
   const double bends = std::cos(25 * std::numbers::pi / 180);
   const ToolSurface surface = toolSurface(tool, opening_m);
   const auto at = [&](std::int32_t point) {
-    return pose.toScene(surface.points_tool_m[static_cast<std::size_t>(point)]);
+    return pose.fromBody(surface.points_tool_m[static_cast<std::size_t>(point)]);
   };
   std::map<std::pair<std::int32_t, std::int32_t>, Vec3> normals;  // of the triangle on the left of each directed edge
   for (const auto& [a, b, c] : surface.triangles) {
@@ -84,7 +84,7 @@ Rows tickHistogram(const Histogram& ticks) {
 void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics) {
   Rows forces;
   for (const TickRecord& r : history.records) {
-    const Vec3& f = r.felt.wrench.force_n;
+    const Vec3& f = r.sent.wrench.force_n;
     forces.push_back({r.time_s, f.x(), f.y(), f.z(), kMm * r.scene_T_tool.position_m.z(), r.soil.force_n.z()});
   }
   const BedParameters& bed = scenario.bed;

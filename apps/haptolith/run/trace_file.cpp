@@ -18,7 +18,7 @@ void TraceFile::write(const TickRecord& record) {
   for (const double value : {position.x(), position.y(), position.z(), turn.w(), turn.x(), turn.y(), turn.z()}) {
     add(value);
   }
-  for (const Wrench* wrench : {&record.soil, &record.felt.wrench}) {
+  for (const Wrench* wrench : {&record.soil, &record.sent.wrench}) {
     for (const Vec3* vector : {&wrench->force_n, &wrench->torque_nm}) {
       for (const double value : *vector) {
         add(value);

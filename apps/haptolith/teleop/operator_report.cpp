@@ -61,7 +61,7 @@ std::string robotText(const RobotLead& robot) {
       "robot {}{}{}, {} commands behind{}, round trip {:.2f} s; the robot met {:.2f} N, this soil {:.2f} N{}",
       text(news.state.state), why, cap, news.behind,
       lags ? " (more than the link takes: it catches up, or its machine is too slow)" : "", news.round_trip_s,
-      news.met_n.norm(), news.felt_n.norm(), soil);
+      news.met_n.norm(), news.displayed_n.norm(), soil);
 }
 
 RobotShown robotShown(const RobotLead& robot) {
@@ -76,7 +76,7 @@ RobotShown robotShown(const RobotLead& robot) {
     shown.scene_T_tool = news.state.reports.back().pose;
   }
   shown.scene_T_tool.position_m.z() += robot.end().surface();
-  shown.felt_n = news.felt_n;
+  shown.displayed_n = news.displayed_n;
   shown.met_n = news.met_n;
   if (hasLearned(robot)) {
     const ModelSoil& soil = robot.learning()->learned();

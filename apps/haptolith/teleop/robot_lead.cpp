@@ -68,13 +68,13 @@ void RobotLead::follow(Session& session, std::span<const TickRecord> ticks, Sess
     time_s_ = ticks.back().time_s;
   }
   end_.receive({.report =
-                    [&](const RobotReport& report, const std::optional<Vec3>& felt_n) {
-                      if (learning_ && felt_n) {
-                        learning_->met(report, *felt_n);
+                    [&](const RobotReport& report, const std::optional<Vec3>& displayed_n) {
+                      if (learning_ && displayed_n) {
+                        learning_->met(report, *displayed_n);
                       }
                       record(report, recording);
                       if (also.report) {
-                        also.report(report, felt_n);
+                        also.report(report, displayed_n);
                       }
                     },
                 .seen =

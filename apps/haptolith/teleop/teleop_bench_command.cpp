@@ -245,10 +245,11 @@ void writeCsv(const OutputFile& file, const std::vector<Row>& rows) {
   table.write("round_trip_s,case,t_s,felt_x_n,felt_y_n,felt_z_n,met_x_n,met_y_n,met_z_n\n");
   for (const Row& row : rows) {
     for (const AgreementPoint& window : row.result.agreement.windows()) {
-      const Vec3& felt = window.felt_n;
+      const Vec3& displayed = window.displayed_n;
       const Vec3& met = window.met_n;
       table.write(fmt::format("{:g},{},{:.3f},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g},{:.5g}\n", row.round_trip_s,
-                              text(row.which), window.time_s, felt.x(), felt.y(), felt.z(), met.x(), met.y(), met.z()));
+                              text(row.which), window.time_s, displayed.x(), displayed.y(), displayed.z(), met.x(),
+                              met.y(), met.z()));
     }
   }
   table.commit();

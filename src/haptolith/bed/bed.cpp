@@ -22,9 +22,9 @@ namespace {
 constexpr double kSkinRadii = 0.5;
 
 /// Neighbours further apart than a contact reaches and this besides, in radii, are not near, and as long as none has
-/// gone half as far, they do not touch: the rows that hold nobody else are left out (NearRows). Larger: more rows for
+/// gone half as far, they do not touch: the rows that hold nobody else are left out (InnerRows). Larger: more rows for
 /// every step; smaller: more looks.
-constexpr double kNearRadii = 0.1;
+constexpr double kInnerSkinRadii = 0.1;
 
 /// In a box as wide as this a position is known to 3e-8 m: in substeps of a third of a millisecond everything that is
 /// faster than 0.05 mm/s moves. In wider boxes remainders are kept.
@@ -126,7 +126,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
       wakefulness_(paddedCount(grains.size()) / kGroup, restRule(parameters)),
       team_(usefulThreads(parameters, grains.size())),
       moved_of_part_(static_cast<std::size_t>(mostParts(team_.size()))) {
-  found_by_part_.resize(moved_of_part_.size());
+  transitions_by_part_.resize(moved_of_part_.size());
   const std::size_t n = grains.size();
   const std::size_t padded = paddedCount(n);
   for (const Float4& grain : grains) {
@@ -143,7 +143,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
     state_.remainder.resize(padded);
   }
   noteClasses();
-  state_.listed_at = state_.position;
+  state_.reference_position = state_.position;
   state_.rested.resize(padded / kGroup);
   state_.rested_at = state_.position;
   state_.contacts = ContactLists(n, hasContactFriction());
@@ -160,7 +160,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
     near_walls_.resize(padded / kGroup);
     state_.tool_slip.resize(n);
   }
-  if (!neighbourhood_.enterAll(state_.listed_at, state_.contacts)) {
+  if (!neighbourhood_.buildAll(state_.reference_position, state_.contacts)) {
     throw InvalidParameter("centres_m", fmt::format("{} particles", n), "apart from each other");
   }
   if (team_.size() > 1 && grain_class_.empty()) {  // of several sizes it was no faster
@@ -223,8 +223,8 @@ StepStatus Bed::step(double dt_s) noexcept {
       return StepStatus::kNotFinite;
     }
   }
-  lookAgainWhenGoneFar(dt_s);
-  if (!relistMovedParticles()) {
+  pruneIfMovedFar(dt_s);
+  if (!rebuildListsOfMoved()) {
     return StepStatus::kCollapsed;
   }
   wakeAndLetSleep();
@@ -261,8 +261,8 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .inverse_mass = narrow<float>(1 / laws_.mass_kg),
           .skin_half_squared = skin_m_ * skin_m_ / 4,
           .rest_squared = wakefulness_.rule().speed_m_s * wakefulness_.rule().speed_m_s,
-          .look = look_,
-          .near_m = narrow<float>(kNearRadii * GrainClasses::scale(classes().count() - 1) * soil.radius_m),
+          .pruning_pass = pruning_pass_,
+          .inner_skin_m = narrow<float>(kInnerSkinRadii * GrainClasses::scale(classes().count() - 1) * soil.radius_m),
           // c = k dt / 2 for each contact (paper 20), with the step that is really taken
           .damping = narrow<float>(soil.stiffness_n_m * dt_s / 2),
           .static_friction = narrow<float>(mu_hat),
@@ -315,14 +315,14 @@ void Bed::stepPart(int part, int parts) noexcept {
                           .position = state_.position.data(),
                           .velocity = state_.velocity.data(),
                           .external = external_.data(),
-                          .listed_at = state_.listed_at.data(),
+                          .reference_position = state_.reference_position.data(),
                           .grain_class = grain_class_.empty() ? nullptr : grain_class_.data(),
                           .other = lists.others(),
                           .first_row = lists.firstRows(),
                           .rows = lists.rowCounts(),
                           .slip = lists.slips(),
                           .touched = lists.touchedRows(),
-                          .near = lists.nearRows(),
+                          .inner = lists.innerRows(),
                           .remainder = state_.remainder.empty() ? nullptr : state_.remainder.data(),
                           .wall_slip = state_.wall_slip.data(),
                           .near_walls = near_walls_.data(),
@@ -337,25 +337,25 @@ void Bed::stepPart(int part, int parts) noexcept {
     stepWithPaperFriction(laws_.kernel, now_, box_, arrays, first, last, moved);
   }
   moved_of_part_[static_cast<std::size_t>(part)] = moved;
-  found_by_part_[static_cast<std::size_t>(part)] = wakefulness_.count(first, last, next_position_, state_);
+  transitions_by_part_[static_cast<std::size_t>(part)] = wakefulness_.updateRest(first, last, next_position_, state_);
 }
 
-void Bed::lookAgainWhenGoneFar(double dt_s) noexcept {
+void Bed::pruneIfMovedFar(double dt_s) noexcept {
   constexpr double kRounded = 0.98;  // of the way: positions and distances are rounded
   float fastest_squared = 0;
   for (const Moved& moved : movedOfParts()) {
     fastest_squared = std::max(fastest_squared, moved.fastest_squared);
   }
-  const double gone_m = std::sqrt(double{fastest_squared}) * dt_s;
-  gone_since_look_m_ += gone_m;
-  stones_.soilWent(gone_m);
-  if (gone_since_look_m_ > kRounded * now_.near_m / 2) {
-    ++look_;
-    gone_since_look_m_ = 0;
+  const double moved_m = std::sqrt(double{fastest_squared}) * dt_s;
+  moved_since_pruning_m_ += moved_m;
+  stones_.soilMoved(moved_m);
+  if (moved_since_pruning_m_ > kRounded * now_.inner_skin_m / 2) {
+    ++pruning_pass_;
+    moved_since_pruning_m_ = 0;
   }
 }
 
-bool Bed::relistMovedParticles() noexcept {
+bool Bed::rebuildListsOfMoved() noexcept {
   std::size_t count = 0;  // close the gaps between the parts
   for (const Moved& moved : movedOfParts()) {
     std::copy_n(moved.particle, moved.count, moved_.data() + count);
@@ -365,19 +365,20 @@ bool Bed::relistMovedParticles() noexcept {
     return true;
   }
   std::sort(moved_.begin(), moved_.begin() + static_cast<std::ptrdiff_t>(count));  // whoever worked on them
-  relistings_ += count;
+  list_rebuilds_ += count;
   const std::int64_t start_ns = monotonicNs();
   const bool fits =
-      neighbourhood_.enterAgain({moved_.data(), count}, state_.position, state_.listed_at, state_.contacts);
+      neighbourhood_.rebuild({moved_.data(), count}, state_.position, state_.reference_position, state_.contacts);
   for (std::size_t k = 0; k < count; ++k) {
     wakefulness_.wakeAround(static_cast<std::size_t>(moved_[k]), state_);  // they may have new neighbours
   }
-  relisting_ns_ += monotonicNs() - start_ns;
+  rebuilding_ns_ += monotonicNs() - start_ns;
   return fits;
 }
 
 void Bed::wakeAndLetSleep() noexcept {
-  const Wakefulness::Found found = wakefulness_.inOrder({found_by_part_.data(), static_cast<std::size_t>(parts_)});
+  const Wakefulness::Transitions found =
+      wakefulness_.mergeTransitions({transitions_by_part_.data(), static_cast<std::size_t>(parts_)});
   wakefulness_.wakeBeside({found.disturbed, found.disturbed_count}, state_);
   wakefulness_.putToSleep({found.ready_to_sleep, found.ready_to_sleep_count}, near_before_,
                           {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
@@ -402,7 +403,7 @@ void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
 void Bed::setSoil(const SoilLaws& laws) noexcept {
   wakefulness_.wakeAll(state_);
   adjustSoil(laws);
-  ++look_;  // its contacts may reach further
+  ++pruning_pass_;  // its contacts may reach further
 }
 
 void Bed::adjustSoil(const SoilLaws& laws) noexcept {
@@ -507,12 +508,12 @@ double Bed::surfaceHeight() const noexcept {
   return highest + parameters_.soil.radius_m;
 }
 
-double Bed::takeRelistingUs() noexcept {
-  return 1e-3 * static_cast<double>(std::exchange(relisting_ns_, 0));
+double Bed::takeListRebuildUs() noexcept {
+  return 1e-3 * static_cast<double>(std::exchange(rebuilding_ns_, 0));
 }
 
 std::size_t Bed::bytes() const noexcept {
-  const std::size_t records = state_.position.size() + state_.velocity.size() + state_.listed_at.size() +
+  const std::size_t records = state_.position.size() + state_.velocity.size() + state_.reference_position.size() +
                               next_position_.size() + next_velocity_.size() + external_.size() + contact_force_.size() +
                               state_.rested_at.size() + state_.tool_slip.size() + state_.remainder.size();
   return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + state_.tool_side.size() +

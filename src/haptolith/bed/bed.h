@@ -181,9 +181,9 @@ class Bed {
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
   /// How often a particle was entered again into the neighbour lists because it had moved on: see Neighbourhood.
-  [[nodiscard]] std::uint64_t relistings() const noexcept { return relistings_; }
+  [[nodiscard]] std::uint64_t listRebuilds() const noexcept { return list_rebuilds_; }
   /// Time that took since the last call, in us. May be called in the tick.
-  [[nodiscard]] double takeRelistingUs() noexcept;
+  [[nodiscard]] double takeListRebuildUs() noexcept;
   /// Bytes of memory in use for the particles, all arrays together.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
@@ -230,8 +230,8 @@ class Bed {
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
     return {moved_of_part_.data(), static_cast<std::size_t>(parts_)};
   }
-  [[nodiscard]] bool relistMovedParticles() noexcept;
-  void lookAgainWhenGoneFar(double dt_s) noexcept;
+  [[nodiscard]] bool rebuildListsOfMoved() noexcept;
+  void pruneIfMovedFar(double dt_s) noexcept;
   void wakeAndLetSleep() noexcept;
   [[nodiscard]] bool hasContactFriction() const noexcept {
     return parameters_.soil.friction == FrictionModel::kContact;
@@ -252,7 +252,7 @@ class Bed {
   Neighbourhood neighbourhood_;
   double grid_height_m_;
   Wakefulness wakefulness_;
-  std::vector<Wakefulness::Found> found_by_part_;
+  std::vector<Wakefulness::Transitions> transitions_by_part_;
   std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group; those before stay awake
   std::vector<std::uint32_t> near_groups_;
   std::optional<Neighbourhood::Place> near_place_;  ///< whose groups near_before_ are; none: what was restored
@@ -261,14 +261,14 @@ class Bed {
   WorkerTeam team_;
   int parts_ = 1;  ///< that the present step is shared out in
   std::vector<Moved> moved_of_part_;
-  std::uint64_t look_ = 1;        ///< the present one at who is near, see NearRows
-  double gone_since_look_m_ = 0;  ///< that no particle can have gone further
+  std::uint64_t pruning_pass_ = 1;    ///< the present one at who is near, see InnerRows
+  double moved_since_pruning_m_ = 0;  ///< that no particle can have gone further
   StepConstants now_{};
   bool friction_on_ = true;
   bool laying_ = false;     ///< findHold(), in which a drag brakes soil
   std::size_t driven_ = 0;  ///< particles
-  std::uint64_t relistings_ = 0;
-  std::int64_t relisting_ns_ = 0;
+  std::uint64_t list_rebuilds_ = 0;
+  std::int64_t rebuilding_ns_ = 0;
 };
 
 }  // namespace haptolith

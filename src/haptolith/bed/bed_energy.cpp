@@ -43,11 +43,11 @@ double Bed::energy() const {
     ContactLaw side_wall = floor;
     side_wall.cohesion_n *= wallRatio(parameters_);
     const double excess = state_.position[i].w;
-    const double nearer = law_between(own, own).nearer;
+    const double diameter_deficit = law_between(own, own).diameter_deficit;
     const auto to_walls = [&](double across_m, double from_middle_m) {
-      return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess) - nearer) / 2;
+      return contactEnergy(side_wall, across_m - 2 * (std::abs(from_middle_m) + excess) - diameter_deficit) / 2;
     };
-    energy += contactEnergy(floor, 2 * (x.z() - excess) - nearer) / 2;
+    energy += contactEnergy(floor, 2 * (x.z() - excess) - diameter_deficit) / 2;
     energy += parameters_.periodic_x ? 0 : to_walls(parameters_.width_m + 2 * heldWidth(parameters_), x.x());
     energy += parameters_.periodic_y ? 0 : to_walls(parameters_.length_m + 2 * heldWidth(parameters_), x.y());
     for (std::uint32_t s = 0; s < state_.contacts.count(i); ++s) {
@@ -58,7 +58,8 @@ double Bed::energy() const {
         apart.y() -= box_.periods.length * std::round(apart.y() * box_.periods.per_length);
         const int other = classOf(j);
         const ContactFrictionLaw& law = law_between(own, other);
-        energy += contactEnergy(pairs[index(own, other)], apart.norm() - excess - state_.position[j].w - law.nearer);
+        energy += contactEnergy(pairs[index(own, other)],
+                                apart.norm() - excess - state_.position[j].w - law.diameter_deficit);
         if (hasContactFriction()) {  // of the side that is awake
           const ContactLists& lists = state_.contacts;
           const bool other_side = state_.asleep(i / kGroup);

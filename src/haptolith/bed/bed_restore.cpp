@@ -35,10 +35,10 @@ bool sameNeighbours(const ContactLists& a, const ContactLists& b, std::size_t i)
 /// The places of a saved bed's grains, in which a bed like it is built.
 std::vector<Float4> grainsOf(const BedState& state) {
   const std::size_t n = state.particles();
-  if (n == 0 || state.listed_at.size() < n || state.velocity.size() < n) {
+  if (n == 0 || state.reference_position.size() < n || state.velocity.size() < n) {
     throw InvalidParameter("state", fmt::format("{} particles", n), "of a bed with particles");
   }
-  return {state.listed_at.begin(), state.listed_at.begin() + static_cast<std::ptrdiff_t>(n)};
+  return {state.reference_position.begin(), state.reference_position.begin() + static_cast<std::ptrdiff_t>(n)};
 }
 
 /// How high soil stood when the bed was made. @throws InvalidParameter.
@@ -97,7 +97,7 @@ void Bed::restore(const BedState& state) {
   const std::size_t n = particles();
   const std::size_t records = paddedCount(n);
   if (state.particles() != n || state.position.size() != records || state.velocity.size() != records ||
-      state.listed_at.size() != records || state.rested_at.size() != records ||
+      state.reference_position.size() != records || state.rested_at.size() != records ||
       state.rested.size() != records / kGroup || state.contacts.particles() != n) {
     throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
                            fmt::format("of this bed's {} particles", n));
@@ -109,8 +109,8 @@ void Bed::restore(const BedState& state) {
   // A saved state may come from a file: a position that is NaN would become the index of a cell.
   const auto finite = [](float value) { return std::isfinite(value); };
   const auto is_number = [&](const Float4& r) { return finite(r.x) && finite(r.y) && finite(r.z) && finite(r.w); };
-  for (const auto* records_of :
-       {&state.position, &state.velocity, &state.listed_at, &state.rested_at, &state.tool_slip, &state.remainder}) {
+  for (const auto* records_of : {&state.position, &state.velocity, &state.reference_position, &state.rested_at,
+                                 &state.tool_slip, &state.remainder}) {
     if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
       throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
     }
@@ -123,13 +123,13 @@ void Bed::restore(const BedState& state) {
     return std::abs(p.w - static_cast<float>(mean_m)) <= static_cast<float>(scale * largestExcess(parameters_.soil)) +
                                                              kRounding * std::abs(p.w) * (scale < 1 ? 1 : 0);
   };
-  for (const auto* records_of : {&state.position, &state.listed_at}) {
+  for (const auto* records_of : {&state.position, &state.reference_position}) {
     if (!std::all_of(records_of->begin(), records_of->end(), fitting)) {
       throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread and grading");
     }
   }
   for (std::size_t i = 0; i < n; ++i) {
-    if (classes().of(state.position[i].w) != classOf(i) || classes().of(state.listed_at[i].w) != classOf(i)) {
+    if (classes().of(state.position[i].w) != classOf(i) || classes().of(state.reference_position[i].w) != classOf(i)) {
       throw InvalidParameter("state", "grains of other classes", "of this bed's classes, grain by grain");
     }
   }
@@ -169,14 +169,14 @@ void Bed::restore(const BedState& state) {
   }
   // Its lists must be those of its places; their order, which is the order of sums, is its own.
   ContactLists listed(n, hasContactFriction());
-  const bool entered = neighbourhood_.enterAll(state.listed_at, listed);
+  const bool entered = neighbourhood_.buildAll(state.reference_position, listed);
   bool fits = entered;
   for (std::size_t i = 0; fits && i < n; ++i) {
     fits = sameNeighbours(listed, state.contacts, i);
   }
   if (!fits) {
     ContactLists own(n, hasContactFriction());
-    (void)neighbourhood_.enterAll(state_.listed_at, own);  // the grid; it fitted when it was made
+    (void)neighbourhood_.buildAll(state_.reference_position, own);  // the grid; it fitted when it was made
     throw InvalidParameter("state",
                            entered ? "neighbours that do not fit its places" : "a bed that has collapsed onto itself",
                            entered ? "as it was saved" : "particles apart from each other");
@@ -185,7 +185,7 @@ void Bed::restore(const BedState& state) {
   state_.position = state.position;
   state_.velocity = state.velocity;
   state_.remainder = state.remainder;
-  state_.listed_at = state.listed_at;
+  state_.reference_position = state.reference_position;
   state_.rested = state.rested;
   state_.rested_at = state.rested_at;
   state_.tool_side = state.tool_side;
@@ -203,7 +203,8 @@ void Bed::restore(const BedState& state) {
     near_before_[i / kGroup / kBits] |= std::uint64_t{touched} << (i / kGroup % kBits);  // the tool was there
   }
   std::fill(state_.position.begin() + static_cast<std::ptrdiff_t>(n), state_.position.end(), kGhost);
-  std::fill(state_.listed_at.begin() + static_cast<std::ptrdiff_t>(n), state_.listed_at.end(), kGhost);
+  std::fill(state_.reference_position.begin() + static_cast<std::ptrdiff_t>(n), state_.reference_position.end(),
+            kGhost);
   std::fill(state_.velocity.begin() + static_cast<std::ptrdiff_t>(n), state_.velocity.end(), kGhostVelocity);
   next_position_ = state_.position;  // who sleeps stands in both
   next_velocity_ = state_.velocity;

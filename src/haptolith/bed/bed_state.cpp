@@ -140,7 +140,7 @@ std::string serialise(const BedState& state) {
   std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
   append(bytes, state.position.data(), n);
   append(bytes, state.velocity.data(), n);
-  append(bytes, state.listed_at.data(), n);
+  append(bytes, state.reference_position.data(), n);
   append(bytes, state.tool_side.data(), n);
   append(bytes, state.rested.data(), state.rested.size());
   append(bytes, state.rested_at.data(), n);
@@ -172,7 +172,7 @@ BedState deserialiseBedState(std::string_view bytes) {
   state.step = header.step;
   take(bytes, state.position, n);
   take(bytes, state.velocity, n);
-  take(bytes, state.listed_at, n);
+  take(bytes, state.reference_position, n);
   take(bytes, state.tool_side, n);
   take(bytes, state.rested, paddedCount(n) / kGroup);
   take(bytes, state.rested_at, n);
@@ -185,7 +185,7 @@ BedState deserialiseBedState(std::string_view bytes) {
   }
   state.position.resize(paddedCount(n), kGhost);
   state.velocity.resize(paddedCount(n), kGhostVelocity);
-  state.listed_at.resize(paddedCount(n), kGhost);
+  state.reference_position.resize(paddedCount(n), kGhost);
   state.rested_at.resize(paddedCount(n), kGhost);
   return state;
 }

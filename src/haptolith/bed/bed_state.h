@@ -33,14 +33,14 @@ inline constexpr Float4 kGhostVelocity{0, 0, 0, 1};
 /// Records come in groups (paddedCount()). Those behind the particles are ghosts, infinitely far for the contact law;
 /// the first of them, index n, fills up the lists.
 struct BedState {
-  std::uint64_t step = 0;              ///< substeps since the start
-  std::vector<Float4> position;        ///< m; w is by how much the particle's radius exceeds the mean
-  std::vector<Float4> velocity;        ///< m/s; w: 0, or kDriven or kHeld
-  std::vector<Float4> remainder;       ///< m; how much further than `position` can tell a particle has gone; empty but
-                                       ///< in wide boxes, where slow particles would otherwise stand still
-  std::vector<Float4> listed_at;       ///< where the neighbour lists have each particle: see Neighbourhood
-  ContactLists contacts;               ///< who may touch whom; with contact friction what it remembers, in m
-  std::vector<std::int8_t> tool_side;  ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
+  std::uint64_t step = 0;         ///< substeps since the start
+  std::vector<Float4> position;   ///< m; w is by how much the particle's radius exceeds the mean
+  std::vector<Float4> velocity;   ///< m/s; w: 0, or kDriven or kHeld
+  std::vector<Float4> remainder;  ///< m; how much further than `position` can tell a particle has gone; empty but
+                                  ///< in wide boxes, where slow particles would otherwise stand still
+  std::vector<Float4> reference_position;  ///< where the neighbour lists have each particle: see Neighbourhood
+  ContactLists contacts;                   ///< who may touch whom; with contact friction what it remembers, in m
+  std::vector<std::int8_t> tool_side;      ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
   static constexpr float kDriven = 1;  ///< keeps its velocity, whatever pushes it
   static constexpr float kHeld = 2;    ///< so does soil that stands for ever where a box of settled soil ends

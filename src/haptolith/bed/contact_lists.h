@@ -22,14 +22,14 @@ struct Slip {
   float x = 0, y = 0, z = 0;
 };
 
-/// How many rows of a group hold somebody who may come to touch before the next look, and which look found that out:
-/// see Bed.
-struct NearRows {
-  std::uint64_t look = 0;  ///< 0: the group's lists have changed since
+/// Inner list of a group (dynamic pruning): the rows that can come into contact before the next pruning pass, and the
+/// pass that found them. See Bed.
+struct InnerRows {
+  std::uint64_t pruning_pass = 0;  ///< 0: out of date, the lists of the group have changed
   std::uint32_t rows = 0;
 };
 
-/// Each particle's neighbours, and what friction remembers of them.
+/// Neighbour (Verlet) lists of all particles, and the slip of each contact.
 ///
 /// The lists of a group's 16 particles stand side by side in rows: row s holds the s-th neighbour of each, so that the
 /// kernel works on 16 pairs at once and adds up without turning registers. Shorter lists are filled up with the ghost
@@ -55,7 +55,7 @@ class ContactLists {
   /// Entry s of i's list becomes j; what is remembered there stays.
   void set(std::size_t i, std::uint32_t s, std::int32_t j) noexcept {
     other_[slot(i, s)] = offsetOf(j);
-    near_[i / kGroup].look = 0;
+    near_[i / kGroup].pruning_pass = 0;
   }
   void setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noexcept;
 
@@ -83,7 +83,7 @@ class ContactLists {
   /// Of each group, rows behind which no entry remembers anything. Whoever writes slips() keeps it.
   [[nodiscard]] std::uint16_t* touchedRows() noexcept { return touched_.data(); }
   /// Of each group; no part of what is remembered. Whoever steps the particles keeps it.
-  [[nodiscard]] NearRows* nearRows() noexcept { return near_.data(); }
+  [[nodiscard]] InnerRows* innerRows() noexcept { return near_.data(); }
   [[nodiscard]] std::size_t groups() const noexcept { return rows_.size(); }
 
   /// Bytes in use.
@@ -114,7 +114,7 @@ class ContactLists {
   std::vector<std::uint32_t> first_row_;  // one for each group
   std::vector<std::uint16_t> rows_;       // length of the group's longest list
   std::vector<std::uint16_t> touched_;
-  std::vector<NearRows> near_;
+  std::vector<InnerRows> near_;
   std::vector<std::uint8_t> room_;    // which of kRooms it has
   std::vector<std::uint16_t> count_;  // one for each particle
   std::array<std::uint32_t, kRooms.size()> free_{kNone, kNone, kNone, kNone,

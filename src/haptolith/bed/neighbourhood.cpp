@@ -101,8 +101,8 @@ Neighbourhood::Neighbourhood(std::size_t particles, const NeighbourReach& reach,
   near_.resize(most + kGroup);
 }
 
-std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<Float4>& listed_at) noexcept {
-  const Float4& here = listed_at[static_cast<std::size_t>(particle)];
+std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<Float4>& reference_position) noexcept {
+  const Float4& here = reference_position[static_cast<std::size_t>(particle)];
   const int own = classes_.of(here.w);
   NearRule rule{classes_, reach_m_, beyond_m_};
   rule.reach_m -= rule.lessBy(own);
@@ -119,35 +119,36 @@ std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<F
   }
   // Whole vectors are read: what lies behind the candidates is the ghost, who is near nobody.
   std::fill_n(candidates_.begin() + static_cast<std::ptrdiff_t>(found), kGroup,
-              static_cast<std::int32_t>(listed_at.size()) - 1);
-  return HWY_DYNAMIC_DISPATCH(selectNearOf)(listed_at.data(), periods_, rule, particle, candidates_.data(), found,
-                                            near_.data());
+              static_cast<std::int32_t>(reference_position.size()) - 1);
+  return HWY_DYNAMIC_DISPATCH(selectNearOf)(reference_position.data(), periods_, rule, particle, candidates_.data(),
+                                            found, near_.data());
 }
 
-bool Neighbourhood::enterAll(const std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
+bool Neighbourhood::buildAll(const std::vector<Float4>& reference_position, ContactLists& lists) noexcept {
   const std::size_t n = lists.particles();
   ++changes_;
   for (CellGrid& grid : grids_) {
     grid.clear();
   }
   for (std::size_t i = 0; i < n; ++i) {
-    CellGrid& grid = gridOf(listed_at[i]);
-    grid.insert(static_cast<std::int32_t>(i), grid.cellOf(listed_at[i]));
+    CellGrid& grid = gridOf(reference_position[i]);
+    grid.insert(static_cast<std::int32_t>(i), grid.cellOf(reference_position[i]));
   }
   for (std::size_t i = 0; i < n; ++i) {
     const auto particle = static_cast<std::int32_t>(i);
-    const std::uint32_t near = findNear(particle, listed_at);
+    const std::uint32_t near = findNear(particle, reference_position);
     for (std::uint32_t k = 0; k < near; ++k) {
       if (!lists.add(i, near_[k])) {
         return false;
       }
     }
-    sortByDistance(i, listed_at, lists);
+    sortByDistance(i, reference_position, lists);
   }
   return true;
 }
 
-void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
+void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& reference_position,
+                                   ContactLists& lists) noexcept {
   struct Entry {
     float nearness;
     std::int32_t other;
@@ -162,10 +163,10 @@ void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& lis
   };
   std::array<Entry, ContactLists::kMostNeighbours> entries;
   const std::uint32_t count = lists.count(i);
-  const Float4& here = listed_at[i];
+  const Float4& here = reference_position[i];
   for (std::uint32_t s = 0; s < count; ++s) {
     const std::int32_t other = lists.neighbour(i, s);
-    const Float4& there = listed_at[static_cast<std::size_t>(other)];
+    const Float4& there = reference_position[static_cast<std::size_t>(other)];
     float x = here.x - there.x;
     float y = here.y - there.y;
     const float z = here.z - there.z;
@@ -194,11 +195,11 @@ void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& lis
   }
 }
 
-bool Neighbourhood::enterAgain(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
-                               std::vector<Float4>& listed_at, ContactLists& lists) noexcept {
+bool Neighbourhood::rebuild(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
+                            std::vector<Float4>& reference_position, ContactLists& lists) noexcept {
   // First everybody's place, then the lists: two that fly along together stay neighbours and forget nothing.
   for (const std::int32_t particle : particles) {
-    Float4& place = listed_at[static_cast<std::size_t>(particle)];
+    Float4& place = reference_position[static_cast<std::size_t>(particle)];
     const Float4& here = position[static_cast<std::size_t>(particle)];
     CellGrid& grid = gridOf(here);
     const std::uint32_t left = grid.cellOf(place);
@@ -210,14 +211,15 @@ bool Neighbourhood::enterAgain(std::span<const std::int32_t> particles, const st
     }
     place = here;
   }
-  return std::ranges::all_of(particles, [&](std::int32_t particle) { return listAgain(particle, listed_at, lists); });
+  return std::ranges::all_of(particles,
+                             [&](std::int32_t particle) { return rebuildList(particle, reference_position, lists); });
 }
 
-bool Neighbourhood::listAgain(std::int32_t particle, const std::vector<Float4>& listed_at,
-                              ContactLists& lists) noexcept {
+bool Neighbourhood::rebuildList(std::int32_t particle, const std::vector<Float4>& reference_position,
+                                ContactLists& lists) noexcept {
   const auto i = static_cast<std::size_t>(particle);
   std::int32_t* const near = near_.data();
-  std::uint32_t unlisted = findNear(particle, listed_at);
+  std::uint32_t unlisted = findNear(particle, reference_position);
   // Whom the list names already is taken out of `near`; whom it names wrongly is taken out of the list.
   for (std::uint32_t s = lists.count(i); s-- > 0;) {
     const std::int32_t other = lists.neighbour(i, s);
@@ -232,7 +234,7 @@ bool Neighbourhood::listAgain(std::int32_t particle, const std::vector<Float4>& 
   const bool fits = std::all_of(near, near + unlisted, [&](std::int32_t other) {
     return lists.add(i, other) && lists.add(static_cast<std::size_t>(other), particle);
   });
-  sortByDistance(i, listed_at, lists);
+  sortByDistance(i, reference_position, lists);
   return fits;
 }
 

@@ -12,7 +12,7 @@
 
 namespace haptolith {
 
-/// How far particles look for others. Of class c all lengths are scaled by size.
+/// Range of the neighbour lists. For class c all lengths are scaled by its size.
 struct NeighbourReach {
   GrainClasses classes = GrainClasses();
   double reach_m = 0;   ///< largest distance of a listed pair of particles of class 0 and the mean size; larger ones
@@ -21,24 +21,24 @@ struct NeighbourReach {
   double largest_excess_m = 0;  ///< by how much a radius of class 0 may exceed the mean
 };
 
-/// Keeps the lists of who may touch whom, particle by particle: there is no moment at which all lists are made anew.
+/// Maintains the neighbour (Verlet) lists particle by particle; there is no step in which all lists are rebuilt.
 ///
-/// Each particle is entered at a place, BedState::listed_at. A pair is listed, from both sides, exactly when the places
-/// of the two are closer than the reach, which is as far as a contact acts plus a skin. As long as nobody is further
-/// from its place than half the skin, every contact is listed. A particle that has moved further is entered again where
-/// it is: that costs half a microsecond for each that moves, two and more out of cache, and nothing for those that do
-/// not. The memory of contacts stands beside the entries and stays where it is.
+/// Each particle has a reference position, where its list was built (BedState::reference_position). A pair is listed,
+/// from both sides, exactly when the reference positions are closer than the cutoff of a contact plus a skin (Verlet
+/// 1967). As long as no particle is further from its reference position than half the skin, every contact is listed.
+/// The list of a particle that has moved further is rebuilt: 0.5 us for each such particle, 2 us and more out of cache,
+/// nothing for the others. Slips are stored with the entries and stay where they are.
 class Neighbourhood {
  public:
   Neighbourhood(std::size_t particles, const NeighbourReach& reach, const GridBox& box);
 
-  /// Enters all particles at `listed_at` into empty lists, the nearest first. Returns false when they do not
-  /// fit: the bed has collapsed onto itself. Not for the tick: it takes half a microsecond a particle.
-  [[nodiscard]] bool enterAll(const std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
+  /// Fills empty lists of all particles at `reference_position`, nearest neighbours first. Returns false if they do not
+  /// fit: the bed has collapsed onto itself. Not for the tick: 0.5 us per particle.
+  [[nodiscard]] bool buildAll(const std::vector<Float4>& reference_position, ContactLists& lists) noexcept;
 
-  /// Enters some particles again, where `position` has them. May be called in the tick. False as enterAll().
-  [[nodiscard]] bool enterAgain(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
-                                std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
+  /// Rebuilds the lists of some particles at their `position`. May be called in the tick. False as buildAll().
+  [[nodiscard]] bool rebuild(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
+                             std::vector<Float4>& reference_position, ContactLists& lists) noexcept;
 
   /// The cells of all classes in a box, and how often anybody has changed cells: who is in them is the same as long as
   /// both are.
@@ -65,13 +65,13 @@ class Neighbourhood {
 
  private:
   /// Makes a particle's list, and its entries in those of others, right for its new place.
-  [[nodiscard]] bool listAgain(std::int32_t particle, const std::vector<Float4>& listed_at,
-                               ContactLists& lists) noexcept;
+  [[nodiscard]] bool rebuildList(std::int32_t particle, const std::vector<Float4>& reference_position,
+                                 ContactLists& lists) noexcept;
   /// Puts the nearest first, so that the ends of a group's lists are rows in which nobody touches. (It also makes the
   /// order independent of the cells', which no saved state has.)
-  void sortByDistance(std::size_t i, const std::vector<Float4>& listed_at, ContactLists& lists) noexcept;
+  void sortByDistance(std::size_t i, const std::vector<Float4>& reference_position, ContactLists& lists) noexcept;
   /// Writes who is near a particle to near_, in any order, and returns how many.
-  [[nodiscard]] std::uint32_t findNear(std::int32_t particle, const std::vector<Float4>& listed_at) noexcept;
+  [[nodiscard]] std::uint32_t findNear(std::int32_t particle, const std::vector<Float4>& reference_position) noexcept;
   [[nodiscard]] CellGrid& gridOf(const Float4& particle) noexcept {
     return grids_[static_cast<std::size_t>(classes_.of(particle.w))];
   }

@@ -48,7 +48,7 @@ StoneContactLaw StoneContactLaw::bare(const SoilParameters& soil, const Touching
 ContactFrictionLaw StoneContactLaw::inKernel() const {
   const auto f = [](double value) { return static_cast<float>(value); };
   return {.normal = kernelLaw(law_, law_.diameter_m / 2),
-          .nearer = 0,
+          .diameter_deficit = 0,
           .cohesion = f(law_.cohesion_n),
           .two_per_range = f(2 / law_.cohesion_range_m),
           .damping = f(damping_),

@@ -232,7 +232,7 @@ int Stones::parts() const noexcept {
 void Stones::press(const SoilAroundStones& soil, int part, int parts) noexcept {
   const auto begin_of = [&](int p) { return size() * static_cast<std::size_t>(p) / static_cast<std::size_t>(parts); };
   for (std::size_t i = begin_of(part); i < begin_of(part + 1); ++i) {
-    bodies_[i].felt = {};
+    bodies_[i].contact = {};
     Memory& memory = memory_[i];
     memory.pushes.clear();
     if (memory.look || went_m_ - memory.looked_at_m > margin()) {
@@ -302,7 +302,7 @@ void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept
       if (touch.beyond_m[k] < 0) {
         const Stretch force{touch.force_n[0][k], touch.force_n[1][k], touch.force_n[2][k]};
         memory.pushes.push_back({static_cast<std::uint32_t>(pack.particle[k]), force});
-        body.felt.add(-vectorOf(force), {touch.lever_m[0][k], touch.lever_m[1][k], touch.lever_m[2][k]});
+        body.contact.add(-vectorOf(force), {touch.lever_m[0][k], touch.lever_m[1][k], touch.lever_m[2][k]});
       }
     }
   }
@@ -347,7 +347,7 @@ void Stones::pressWalls(std::size_t stone) noexcept {
       // The wall is the stone's mirror image, which comes as fast as it goes, and does not slide.
       const Vec3 force = walls[w].law.force({-2 * gaps_m[w], n, 1}, velocity + velocity.dot(n) * n, dt_s_, stretch);
       kept = stretchOf(stretch);
-      body.felt.add(force, lever);
+      body.contact.add(force, lever);
     }
   }
 }
@@ -398,8 +398,8 @@ void Stones::pressStones(std::size_t stone, const SoilAroundStones& soil) noexce
     Vec3 stretch = vectorOf(near.stretch);
     const Vec3 force = pair.law.force(overlap, relative, dt_s_, stretch);
     near.stretch = stretchOf(stretch);
-    body.felt.add(force, point - middle);
-    bodies_[other].felt.add(-force, point - their_middle);
+    body.contact.add(force, point - middle);
+    bodies_[other].contact.add(-force, point - their_middle);
   }
 }
 
@@ -415,7 +415,7 @@ void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) n
   for (std::size_t i = 0; i < size(); ++i) {
     StoneState& state = state_.stones[i];
     Body& body = bodies_[i];
-    const Wrench wrench{body.felt.force_n + body.pushed.force_n, body.felt.torque_nm + body.pushed.torque_nm};
+    const Wrench wrench{body.contact.force_n + body.pushed.force_n, body.contact.torque_nm + body.pushed.torque_nm};
     body.pushed = {};
     if (short_m_ > 0) {
       continue;

@@ -62,6 +62,7 @@ class Stones {
   [[nodiscard]] Pose pose(std::size_t stone) const noexcept;
   /// Of all. Not for the tick.
   [[nodiscard]] std::vector<Pose> poses() const;
+  /// Of its centre of mass, scene frame.
   [[nodiscard]] Twist twist(std::size_t stone) const noexcept;
   [[nodiscard]] double mass(std::size_t stone) const noexcept { return bodies_[stone].mass_kg; }
   /// Principal moments of inertia, in kg m^2.
@@ -99,7 +100,7 @@ class Stones {
   /// Last part: velocities, then places.
   void move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) noexcept;
   /// No particle has gone further than this in the step: who is near is looked for again when it might have changed.
-  void soilWent(double distance_m) noexcept { went_m_ += distance_m; }
+  void soilMoved(double distance_m) noexcept { went_m_ += distance_m; }
 
   /// Another soil, or others' forces, from now on: everybody wakes. May be called in the tick.
   void setSoil(const SoilParameters& soil) noexcept;
@@ -141,7 +142,7 @@ class Stones {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< scene_R_stone
     Vec3 angular_rad_s = Vec3::Zero();
     std::vector<Vec3> centres_m;  ///< of its spheres, scene frame
-    Wrench felt, pushed;          ///< about its middle: in this step, and by others for it
+    Wrench contact, pushed;       ///< about its centre, scene frame: of contacts in this step; of others, for the next
   };
 
   /// Friction's stretch that a particle had when who is near was looked for the last time, stone's frame.

@@ -82,11 +82,11 @@ void Wakefulness::noteAwake(std::size_t group, bool awake) noexcept {
   changed_ = true;
 }
 
-Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const std::vector<Float4>& position,
-                                      BedState& state) noexcept {
-  Found found{disturbed_.data() + first, ready_to_sleep_.data() + first};
+Wakefulness::Transitions Wakefulness::updateRest(std::size_t first, std::size_t last,
+                                                 const std::vector<Float4>& position, BedState& state) noexcept {
+  Transitions changes{disturbed_.data() + first, ready_to_sleep_.data() + first};
   if (!rule_.sleep) {
-    return found;
+    return changes;
   }
   for (std::size_t k = first; k < last; ++k) {
     const std::uint32_t group = awake_[k];
@@ -94,25 +94,25 @@ Wakefulness::Found Wakefulness::count(std::size_t first, std::size_t last, const
     std::uint16_t& rested = state.rested[group];
     if (moving_[group] != 0 || (its_turn && hasCrept(group, position, state))) {
       if (rested >= rule_.steps) {
-        found.disturbed[found.disturbed_count++] = group;
+        changes.disturbed[changes.disturbed_count++] = group;
       }
       rested = 0;
     } else if (rested < readyToSleep()) {
       ++rested;
     } else if (its_turn) {
-      found.ready_to_sleep[found.ready_to_sleep_count++] = group;
+      changes.ready_to_sleep[changes.ready_to_sleep_count++] = group;
     }
   }
-  return found;
+  return changes;
 }
 
-Wakefulness::Found Wakefulness::inOrder(std::span<const Found> of_parts) noexcept {
-  Found all{disturbed_.data(), ready_to_sleep_.data()};
-  for (const Found& found : of_parts) {
-    std::copy_n(found.disturbed, found.disturbed_count, all.disturbed + all.disturbed_count);
-    std::copy_n(found.ready_to_sleep, found.ready_to_sleep_count, all.ready_to_sleep + all.ready_to_sleep_count);
-    all.disturbed_count += found.disturbed_count;
-    all.ready_to_sleep_count += found.ready_to_sleep_count;
+Wakefulness::Transitions Wakefulness::mergeTransitions(std::span<const Transitions> of_parts) noexcept {
+  Transitions all{disturbed_.data(), ready_to_sleep_.data()};
+  for (const Transitions& changes : of_parts) {
+    std::copy_n(changes.disturbed, changes.disturbed_count, all.disturbed + all.disturbed_count);
+    std::copy_n(changes.ready_to_sleep, changes.ready_to_sleep_count, all.ready_to_sleep + all.ready_to_sleep_count);
+    all.disturbed_count += changes.disturbed_count;
+    all.ready_to_sleep_count += changes.ready_to_sleep_count;
   }
   std::sort(all.disturbed, all.disturbed + all.disturbed_count);
   std::sort(all.ready_to_sleep, all.ready_to_sleep + all.ready_to_sleep_count);
@@ -182,11 +182,11 @@ void Wakefulness::wakeAll(BedState& state) noexcept {
 }
 
 void Wakefulness::putToSleep(std::span<const std::uint32_t> ready_to_sleep,
-                             const std::vector<std::uint64_t>& keep_awake, const Records& records) noexcept {
+                             const std::vector<std::uint64_t>& keep_awake, const StepState& step) noexcept {
   for (const std::uint32_t group : ready_to_sleep) {
     const bool kept = (keep_awake[group / kBits] >> (group % kBits) & 1) != 0;
-    if (!kept && maySleep(group, records.state)) {
-      sleep(group, records);
+    if (!kept && maySleep(group, step.state)) {
+      sleep(group, step);
     }
   }
 }
@@ -205,13 +205,13 @@ bool Wakefulness::maySleep(std::size_t group, const BedState& state) const noexc
          });
 }
 
-void Wakefulness::sleep(std::size_t group, const Records& records) noexcept {
-  BedState& state = records.state;
+void Wakefulness::sleep(std::size_t group, const StepState& step) noexcept {
+  BedState& state = step.state;
   for (std::size_t i = group * kGroup; i < (group + 1) * kGroup; ++i) {
     const Float4& v = state.velocity[i];
     state.velocity[i] = {v.x * 0, v.y * 0, v.z * 0, v.w};  // the sign of a zero stays
-    records.next_velocity[i] = state.velocity[i];
-    records.next_position[i] = state.position[i];
+    step.next_velocity[i] = state.velocity[i];
+    step.next_position[i] = state.position[i];
   }
   ContactLists& lists = state.contacts;
   if (lists.remembers()) {

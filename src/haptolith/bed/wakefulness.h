@@ -48,24 +48,24 @@ class Wakefulness {
   /// For each group whether something in it moved faster than the rule allows: the step writes it.
   [[nodiscard]] std::uint8_t* moving() noexcept { return moving_.data(); }
 
-  /// What one part of the work has found out; the lists have their place in this object.
-  struct Found {
-    std::uint32_t* disturbed = nullptr;       ///< groups that rested and do so no longer
+  /// Groups whose state changes after a step; the arrays belong to this object.
+  struct Transitions {
+    std::uint32_t* disturbed = nullptr;       ///< groups that rested and move again
     std::uint32_t* ready_to_sleep = nullptr;  ///< groups that have rested long enough, and whose turn it is
     std::size_t disturbed_count = 0, ready_to_sleep_count = 0;
   };
 
-  /// Counts how long awake groups first..last-1 have been at rest, with `position` after the step. Several threads may
-  /// count different groups at once.
-  [[nodiscard]] Found count(std::size_t first, std::size_t last, const std::vector<Float4>& position,
-                            BedState& state) noexcept;
+  /// Updates how long the awake groups first..last-1 have been at rest, from `position` after the step. Several threads
+  /// may update different groups at once.
+  [[nodiscard]] Transitions updateRest(std::size_t first, std::size_t last, const std::vector<Float4>& position,
+                                       BedState& state) noexcept;
 
-  /// What all parts have found, in ascending order of groups: the same in whatever parts, and by whomever, the work was
-  /// done. Its lists stand where the parts' did.
-  [[nodiscard]] Found inOrder(std::span<const Found> of_parts) noexcept;
+  /// Transitions of all parts in ascending order of groups, independent of how the work was divided. Overwrites the
+  /// parts' arrays.
+  [[nodiscard]] Transitions mergeTransitions(std::span<const Transitions> of_parts) noexcept;
 
-  /// A bed's records, and those its next step will write: who sleeps stands in both.
-  struct Records {
+  /// A bed's state, and the arrays that its next step writes: sleeping particles are stored in both.
+  struct StepState {
     BedState& state;
     std::vector<Float4>&next_position, &next_velocity;
   };
@@ -79,7 +79,7 @@ class Wakefulness {
 
   /// Lets those of the `ready_to_sleep` groups sleep that may, but none that `keep_awake` has a bit for.
   void putToSleep(std::span<const std::uint32_t> ready_to_sleep, const std::vector<std::uint64_t>& keep_awake,
-                  const Records& records) noexcept;
+                  const StepState& step) noexcept;
 
   /// Lists again who is awake, after groups have woken or fallen asleep.
   void listAwake() noexcept;
@@ -95,7 +95,7 @@ class Wakefulness {
   [[nodiscard]] std::uint16_t readyToSleep() const noexcept { return static_cast<std::uint16_t>(rule_.steps + kTurn); }
   [[nodiscard]] bool hasCrept(std::size_t group, const std::vector<Float4>& position, BedState& state) const noexcept;
   [[nodiscard]] bool maySleep(std::size_t group, const BedState& state) const noexcept;
-  void sleep(std::size_t group, const Records& records) noexcept;
+  void sleep(std::size_t group, const StepState& step) noexcept;
   void noteAwake(std::size_t group, bool awake) noexcept;
 
   RestRule rule_;

@@ -63,13 +63,13 @@ class CallersDevice final : public HapticDevice {
   }
   void releaseForce() noexcept override {
     released_.store(true, std::memory_order_relaxed);
-    if (device_.let_go != nullptr) {
-      device_.let_go(device_.user);
+    if (device_.release_force != nullptr) {
+      device_.release_force(device_.user);
     }
   }
   void resumeForce() noexcept override {
-    if (released_.exchange(false, std::memory_order_relaxed) && device_.take_up != nullptr) {
-      device_.take_up(device_.user);
+    if (released_.exchange(false, std::memory_order_relaxed) && device_.resume_force != nullptr) {
+      device_.resume_force(device_.user);
     }
   }
 
@@ -268,7 +268,7 @@ class Loop {
       ask(request::Soil{*changes.laws});
     }
     if (changes.tool) {
-      ask(request::Exchange{request::ExchangeTool{*changes.tool}});
+      ask(request::Replace{request::ReplaceTool{*changes.tool}});
     }
     scene_->note(changes);
   }

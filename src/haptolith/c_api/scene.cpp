@@ -232,7 +232,7 @@ std::int32_t hapto_scene_get_tool_pose(const hapto_scene* scene, hapto_pose* out
 
 std::int32_t hapto_scene_get_wrench(const hapto_scene* scene, hapto_wrench* out) {
   return quicklyWith(scene, out, [&](const SceneObject& object) {
-    *out = wrench(object.scene().felt().wrench);
+    *out = wrench(object.scene().soilWrench());
     return HAPTO_OK;
   });
 }
@@ -246,7 +246,7 @@ std::int32_t hapto_scene_get_contact_stiffness(const hapto_scene* scene, double 
 
 std::int32_t hapto_scene_get_grip_force(const hapto_scene* scene, double* n) {
   return quicklyWith(scene, n, [&](const SceneObject& object) {
-    *n = object.scene().felt().grip_n;
+    *n = object.scene().soilForce().grip_n;
     return HAPTO_OK;
   });
 }

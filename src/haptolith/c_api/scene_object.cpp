@@ -230,7 +230,7 @@ std::int32_t SceneObject::step(const hapto_pose& to, const hapto_twist* given, h
                   rotationBetween(from.orientation, hand.pose.orientation) / tick_s};
   }
   condition_ = statusOf(scene_->tick(hand));
-  const Wrench& wrench_now = scene_->felt().wrench;
+  const Wrench& wrench_now = scene_->soilWrench();
   if (condition_ == HAPTO_OK && !(wrench_now.force_n.allFinite() && wrench_now.torque_nm.allFinite())) {
     condition_ = HAPTO_NOT_FINITE;
   }

@@ -20,7 +20,7 @@ static_assert(HAPTO_TICK_LATE == static_cast<int>(kTickLate) &&
               HAPTO_TICK_SOFT_STOP == static_cast<int>(kTickSoftStop) &&
               HAPTO_TICK_FAILED == static_cast<int>(kTickFailed) &&
               HAPTO_TICK_SOIL_ADJUSTED == static_cast<int>(kTickSoilAdjusted) &&
-              HAPTO_TICK_GRAIN_MOVED == static_cast<int>(kTickGrainMoved));
+              HAPTO_TICK_PARTICLE_MOVED == static_cast<int>(kTickParticleMoved));
 static_assert(HAPTO_TRIP_NONE == static_cast<int>(SafetyTrip::kNone) &&
               HAPTO_TRIP_DEVICE_NOT_FINITE == static_cast<int>(SafetyTrip::kDeviceNotFinite) &&
               HAPTO_TRIP_STALE == static_cast<int>(SafetyTrip::kStale) &&
@@ -43,11 +43,11 @@ hapto_tick tickOf(const TickRecord& record) noexcept {
           .device_twist = twist(record.device.twist),
           .gripper_open = record.device.gripper_open,
           .scene_T_tool = pose(record.scene_T_tool),
-          .soil = wrench(record.soil),
+          .soil_wrench = wrench(record.soil),
           .rendered = wrench(record.rendered.wrench),
           .rendered_gripper_n = record.rendered.gripper_force_n,
-          .felt = wrench(record.felt.wrench),
-          .felt_gripper_n = record.felt.gripper_force_n,
+          .device_wrench = wrench(record.sent.wrench),
+          .device_gripper_n = record.sent.gripper_force_n,
           .injected_j = record.injected_j,
           .quick_injected_j = record.quick_injected_j,
           .tick_us = record.tick_us,
@@ -63,9 +63,9 @@ TickRecord recordOf(const hapto_tick& tick) noexcept {
                      .buttons = tick.buttons,
                      .state = static_cast<DeviceState>(tick.device_state)},
           .scene_T_tool = pose(tick.scene_T_tool),
-          .soil = wrench(tick.soil),
+          .soil = wrench(tick.soil_wrench),
           .rendered = {wrench(tick.rendered), tick.rendered_gripper_n},
-          .felt = {wrench(tick.felt), tick.felt_gripper_n},
+          .sent = {wrench(tick.device_wrench), tick.device_gripper_n},
           .injected_j = tick.injected_j,
           .quick_injected_j = tick.quick_injected_j,
           .tick_us = tick.tick_us,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+
 namespace haptolith {
 
 /// Mean, percentiles and maximum of many values >= 0 in fixed memory. Mean and maximum are exact; a percentile is exact

@@ -1,5 +1,6 @@
 #include "haptolith/core/movement.h"
 
+
 namespace haptolith {
 
 Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept {

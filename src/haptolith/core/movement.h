@@ -4,19 +4,19 @@
 
 namespace haptolith {
 
-/// What moves, and how fast.
+/// Pose and twist of a body's origin, both in one frame, which the name or the doc gives.
 struct Movement {
   Pose pose;
   Twist twist;
 };
 
-/// Where a hand has the tool, scene frame, and how far it holds the jaws open.
+/// Movement of the tool in a hand, scene frame, and how far the hand holds the jaws open.
 struct HandState : Movement {
   double opening = 1;  ///< 0 closed to 1 wide open
 };
 
-/// What a hand feels of the tool, scene frame, and its fingers of what is between the jaws.
-struct Felt {
+/// Wrench on a tool about its origin, scene frame, and the force between its jaws.
+struct ToolForce {
   Wrench wrench;
   double grip_n = 0;  ///< > 0 opens the fingers
 };

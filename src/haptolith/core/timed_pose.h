@@ -4,7 +4,7 @@
 
 namespace haptolith {
 
-/// Where something is at a time. A list of them names its frame.
+/// Pose of a body at a time, in the frame that the list or the file names.
 struct TimedPose {
   double time_s = 0;
   Pose pose;

@@ -7,7 +7,8 @@
 
 namespace haptolith {
 
-using Vec3 = Eigen::Vector3d;  ///< x, y to the sides, z up, in the scene's frame unless the name says otherwise.
+/// Three coordinates in the frame that the name or the doc gives. In the scene frame x and y are horizontal, z is up.
+using Vec3 = Eigen::Vector3d;
 using Quat = Eigen::Quaterniond;
 
 /// What the norm of an orientation from outside may be: an empty message gives 0, and no device or page rounds so
@@ -18,18 +19,19 @@ inline constexpr Range kUnitNorm{0.99, 1.01};
   return norm >= kUnitNorm.lowest && norm <= kUnitNorm.highest;
 }
 
-/// Position (m) and orientation of a body's frame in the scene's frame: scene_T_body.
+/// Position (m) and orientation of a body's frame in another frame. Variables are named frame_T_body: scene_T_tool is
+/// the tool's pose in the scene frame, device_T_handle the handle's in the device frame.
 struct Pose {
   Vec3 position_m = Vec3::Zero();
   Quat orientation = Quat::Identity();
 
-  [[nodiscard]] Vec3 toScene(const Vec3& point_body) const { return position_m + orientation * point_body; }
-  [[nodiscard]] Vec3 toBody(const Vec3& point_scene) const {
-    return orientation.conjugate() * (point_scene - position_m);
-  }
+  /// A point of the body's frame, in the frame that the pose is in.
+  [[nodiscard]] Vec3 fromBody(const Vec3& point_body) const { return position_m + orientation * point_body; }
+  /// The inverse of fromBody().
+  [[nodiscard]] Vec3 toBody(const Vec3& point) const { return orientation.conjugate() * (point - position_m); }
 };
 
-/// Linear (m/s) and angular (rad/s) velocity of a body's origin, in the scene's frame.
+/// Linear (m/s) and angular (rad/s) velocity of a body's origin, in the axes of the frame that its pose is in.
 struct Twist {
   Vec3 linear_m_s = Vec3::Zero();
   Vec3 angular_rad_s = Vec3::Zero();
@@ -38,7 +40,8 @@ struct Twist {
   [[nodiscard]] Vec3 at(const Vec3& lever_m) const { return linear_m_s + angular_rad_s.cross(lever_m); }
 };
 
-/// Force (N) and torque (N m) about a body's origin, in the scene's frame.
+/// Force (N) and torque (N m) about a body's origin, in the axes of the frame that the name or the doc gives: scene
+/// frame for soil wrenches, device frame for device wrenches.
 struct Wrench {
   Vec3 force_n = Vec3::Zero();
   Vec3 torque_nm = Vec3::Zero();

@@ -34,9 +34,9 @@ enum class ForceRelease : std::uint8_t {
   kStuck,     ///< the thread that asks is itself inside the device's library
 };
 
-/// What a device is sent, device frame.
+/// Output sent to a device, device frame.
 struct DeviceOutput {
-  Wrench wrench;               ///< about the handle's origin
+  Wrench wrench;               ///< device wrench, about the handle's origin, device frame
   double gripper_force_n = 0;  ///< > 0 opens the fingers
 };
 

@@ -61,7 +61,7 @@ HandState Mapping::toScene(const DeviceInput& input) noexcept {
   return {{tool_, {mapping_.scale * (turn_ * input.twist.linear_m_s), turn_ * input.twist.angular_rad_s}}, opening};
 }
 
-DeviceOutput Mapping::toDevice(const Felt& scene) const noexcept {
+DeviceOutput Mapping::toDevice(const ToolForce& scene) const noexcept {
   const Quat back = turn_.conjugate();
   const double share = clutch_.share() * mapping_.force_scale;
   return {{share * (back * scene.wrench.force_n), share / mapping_.scale * (back * scene.wrench.torque_nm)},

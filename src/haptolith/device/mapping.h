@@ -52,8 +52,8 @@ class Mapping {
   /// Where the hand has the tool. While the clutch is held: where it had it, at rest, and the hand feels nothing.
   /// Without a gripper the jaws stay open.
   [[nodiscard]] HandState toScene(const DeviceInput& input) noexcept;
-  /// What the device is to show of what the tool meets: scene frame to device frame.
-  [[nodiscard]] DeviceOutput toDevice(const Felt& scene) const noexcept;
+  /// Output for the device, device frame, of a force on the tool, scene frame.
+  [[nodiscard]] DeviceOutput toDevice(const ToolForce& scene) const noexcept;
   /// A wrench of the device frame turned into the scene's axes, as large as it is at the device.
   [[nodiscard]] Wrench turnedIntoScene(const Wrench& device) const noexcept;
 

@@ -48,7 +48,7 @@ const HandState& Coupling::moveTool(const HandState& hand) noexcept {
   return tool_;
 }
 
-Felt Coupling::feel(const Felt& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept {
+ToolForce Coupling::feel(const ToolForce& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept {
   soil_ = soil.wrench;
   const double grip_n = grip_filter_.step(soil.grip_n);
   if (virtual_) {

@@ -64,7 +64,7 @@ class Coupling {
   /// Where the tool goes in this tick.
   [[nodiscard]] const HandState& moveTool(const HandState& hand) noexcept;
   /// What the hand feels of it, once the soil has answered; the fingers feel it directly.
-  [[nodiscard]] Felt feel(const Felt& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept;
+  [[nodiscard]] ToolForce feel(const ToolForce& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept;
 
   /// The tool is where the hand is, at rest.
   void place(const HandState& hand) noexcept;

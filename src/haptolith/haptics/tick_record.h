@@ -20,8 +20,8 @@ enum TickFlag : std::uint32_t {
   kTickSceneChanged = 256,    ///< soil, gravity, tool or bed were changed before it, or the tool fades for that
   kTickSoftStop = 512,        ///< the run was about to end
   kTickFailed = 1024,  ///< the run ended with it: the device is gone, or the bed or the hand no longer makes sense
-  kTickSoilAdjusted = 2048,  ///< soil and tool friction were changed a little: see request::Adjust
-  kTickGrainMoved = 4096,    ///< a grain was put elsewhere: see request::MoveGrain
+  kTickSoilAdjusted = 2048,   ///< soil and tool friction were changed a little: see request::Adjust
+  kTickParticleMoved = 4096,  ///< a grain was put elsewhere: see request::MoveGrain
 };
 
 /// One tick, as it is recorded.
@@ -31,7 +31,7 @@ struct TickRecord {
   Pose scene_T_tool;
   Wrench soil;                   ///< of the soil on the tool, about the tool's origin, scene frame, unfiltered
   DeviceOutput rendered;         ///< what the device would be sent without the safety layer, device frame
-  DeviceOutput felt;             ///< what it was sent, device frame
+  DeviceOutput sent;             ///< device wrench: output that the device was sent, device frame
   double injected_j = 0;         ///< Passivity::injected()
   double quick_injected_j = 0;   ///< Passivity::quickInjected()
   double tick_us = 0;            ///< work of this tick, without sleep

@@ -17,6 +17,7 @@ class WrenchFilter {
   /// @param cutoff_hz  above 0, at most half the tick rate. @throws InvalidParameter.
   WrenchFilter(double cutoff_hz, double tick_s);
 
+  /// Filters a wrench about a fixed origin, device frame.
   /// @param own_change_n  change of force in this tick that the hand's own quick movement explains (see QuickMovement);
   ///                      it passes at once, the rest of the change is filtered. May be called in the tick.
   const Wrench& step(const Wrench& input, const Vec3& own_change_n = Vec3::Zero()) noexcept;
@@ -59,7 +60,8 @@ class QuickMovement {
   Vec3 slow_m_s_ = Vec3::Zero();
 };
 
-/// `wrench` with force and torque shortened to what the device can show; directions stay. May be called in the tick.
+/// `wrench` (device frame) with force and torque shortened to the device's limits; directions stay. May be called in
+/// the tick.
 [[nodiscard]] Wrench limited(const Wrench& wrench, const DeviceLimits& limits) noexcept;
 
 }  // namespace haptolith

@@ -10,10 +10,10 @@
 
 namespace haptolith {
 
-/// Where a tool was, and what the soil did to it.
+/// Pose of a tool and force of the soil on it, both in the frame of the file.
 struct MeasuredSample {
   double time_s = 0;
-  Pose pose;
+  Pose pose;     ///< file_T_tool
   Vec3 force_n;  ///< of the soil on the tool, in the same frame
 };
 

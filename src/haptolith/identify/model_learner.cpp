@@ -57,7 +57,7 @@ double ModelLearner::forceAlong(const ToolCut& cut, const SoilState& state) cons
 ModelSoil ModelLearner::at(const Vec3& place_m) const {
   // What does not depend on the state.
   struct Known {
-    Vec3 axis, felt_n, met_n;
+    Vec3 axis, displayed_n, met_n;
     const ToolCut* cut;
     double model_force, model_delta_rad, weight;
   };
@@ -68,7 +68,7 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
     const double away = (stretch.place_m - place_m).head<2>().norm() / kReach_m;
     const double weight = kFarShare + (1 - kFarShare) * std::exp(-away * away / 2);
     stretches += weight;
-    known.push_back({Vec3::UnitZ().cross(stretch.cut.ahead), stretch.felt_n, stretch.met_n, &stretch.cut,
+    known.push_back({Vec3::UnitZ().cross(stretch.cut.ahead), stretch.displayed_n, stretch.met_n, &stretch.cut,
                      forceAlong(stretch.cut, stretch.model), std::atan(stretch.model.tool_friction), weight / kAlike});
   }
   const StateVector first = stateVector(prior_.middle, gravity_m_s2_);
@@ -79,7 +79,7 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
     const double turn_rad = std::atan(state.tool_friction) - stretch.model_delta_rad;
     // Soil that slides up the blade pushes it up: more friction turns the force on it from against the way upwards.
     return forceAlong(*stretch.cut, state) / stretch.model_force *
-           (Eigen::AngleAxisd(turn_rad, stretch.axis) * stretch.felt_n);
+           (Eigen::AngleAxisd(turn_rad, stretch.axis) * stretch.displayed_n);
   };
 
   StateVector state = within(first);
@@ -99,7 +99,7 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
         slopes.col(axis) = (predicted(stretch, moved) - expected_n) / by;
       }
       // What was felt in a model that was far from this state tells less of it.
-      const double growth = std::log(expected_n.norm() / stretch.felt_n.norm());
+      const double growth = std::log(expected_n.norm() / stretch.displayed_n.norm());
       const double size_n = std::max(stretch.met_n.norm(), expected_n.norm());
       const double sd_n = std::hypot(std::hypot(kScatter, kGrowth * growth) * size_n, kLearnerNoise_n);
       const double variance = sd_n * sd_n;

@@ -13,7 +13,7 @@ struct DiggingStretch {
   Vec3 place_m = Vec3::Zero();  ///< of the tool, site frame
   ToolCut cut;
   SoilState model;  ///< how strong the model's soil was
-  Vec3 felt_n = Vec3::Zero(), met_n = Vec3::Zero();
+  Vec3 displayed_n = Vec3::Zero(), met_n = Vec3::Zero();
 };
 
 /// What a model's soil has to be so that it does to a tool what the real soil does.

@@ -22,7 +22,7 @@ std::optional<ToolCut> cutOf(const ToolSurface& surface, const Pose& site_T_tool
   points.reserve(surface.points_tool_m.size());
   double lowest_m = 0;
   for (const Vec3& point : surface.points_tool_m) {
-    points.push_back(site_T_tool.toScene(point));
+    points.push_back(site_T_tool.fromBody(point));
     lowest_m = std::min(lowest_m, points.back().z());
   }
   if (-lowest_m < kLeastDepth_m) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 
+
 namespace haptolith {
 
 namespace {

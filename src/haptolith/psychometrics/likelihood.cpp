@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+
 namespace haptolith {
 
 namespace {

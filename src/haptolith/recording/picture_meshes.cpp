@@ -25,7 +25,7 @@ void append(PictureMesh& mesh, const std::vector<Vec3>& points_m,
             const std::vector<std::array<std::int32_t, 3>>& triangles, const Pose& scene_T_points) {
   const auto first = static_cast<std::int32_t>(mesh.point_m.size());
   for (const Vec3& point_m : points_m) {
-    mesh.point_m.push_back(single(scene_T_points.toScene(point_m)));
+    mesh.point_m.push_back(single(scene_T_points.fromBody(point_m)));
   }
   for (const auto& triangle : triangles) {
     for (const std::int32_t point : triangle) {
@@ -64,7 +64,7 @@ PictureMesh stonesMesh(const std::vector<PicturedStone>& stones) {
     for (const StoneSphere& sphere : shape->spheres) {
       const ToolSurface ball = toolSurface({.shape = ToolShape::kSphere, .diameter_m = 2 * sphere.radius_m}, 0);
       append(mesh, ball.points_tool_m, ball.triangles,
-             {scene_T_stone.toScene(sphere.centre_m), scene_T_stone.orientation});
+             {scene_T_stone.fromBody(sphere.centre_m), scene_T_stone.orientation});
     }
   }
   return mesh;

@@ -192,7 +192,7 @@ ScenePicture RecordedPictures::replayedPicture(const FrameRow& row, const TickRe
     picture.stones.push_back({stones.pose(stone), stones.shape(stone)});
   }
   if (tick != nullptr) {
-    picture.tool = {.pose = scene.toolPose(), .opening_m = scene.opening(), .soil = scene.felt().wrench};
+    picture.tool = {.pose = scene.toolPose(), .opening_m = scene.opening(), .soil = scene.soilWrench()};
   }
   return picture;
 }

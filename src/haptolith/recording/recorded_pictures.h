@@ -19,9 +19,9 @@ namespace haptolith {
 
 /// Where the tool is at the end of a tick, and what the soil does to it; scene's frame.
 struct PicturedTool {
-  Pose pose;
+  Pose pose;             ///< scene_T_tool
   double opening_m = 0;  ///< between jaws; 0 for another tool
-  Wrench soil;           ///< about the tool's origin
+  Wrench soil;           ///< soil wrench, about the tool's origin, scene frame
 };
 
 /// A stone where it is at the end of a tick.

@@ -141,7 +141,7 @@ std::vector<RecordColumn> makeTickColumns() {
   list.addPose("tool_", tick.scene_T_tool);
   list.addWrench("soil_", tick.soil);
   list.addOutput("rendered_", tick.rendered);
-  list.addOutput("felt_", tick.felt);
+  list.addOutput("felt_", tick.sent);
   list.add("injected_j", tick.injected_j);
   list.add("quick_injected_j", tick.quick_injected_j);
   list.add("tick_us", tick.tick_us);

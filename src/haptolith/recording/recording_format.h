@@ -79,7 +79,7 @@ struct RobotRow {
   std::uint64_t command = 0;   ///< number of the tick that it had come to
   std::uint64_t commands = 0;  ///< ticks up to that one that force and torque are the mean over; 0: it followed none
   Pose scene_T_tool;
-  Wrench met;                          ///< of the soil on its tool, about the tool's origin
+  Wrench met;                          ///< soil wrench at the robot, about its tool's origin, scene frame
   std::uint8_t state = 0, reason = 0;  ///< what it did when it was last heard, and why it stopped
 };
 

@@ -64,8 +64,8 @@ const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
   if (!same(was.rendered, is.rendered)) {
     return "rendered force";
   }
-  if (!same(was.felt, is.felt)) {
-    return "felt force";
+  if (!same(was.sent, is.sent)) {
+    return "device wrench";
   }
   if (!same(was.injected_j, is.injected_j) || !same(was.quick_injected_j, is.quick_injected_j)) {
     return "injected energy";
@@ -150,7 +150,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
                                    adjustment.tool_friction});
         adjustments_.pop_front();
       }
-      if ((was.flags & kTickGrainMoved) != 0) {
+      if ((was.flags & kTickParticleMoved) != 0) {
         if (grain_moves_.empty()) {
           result.ended_early = fmt::format("at {:.3f} s a grain was moved, and which is not recorded", was.time_s);
           return result;

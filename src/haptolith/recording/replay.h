@@ -18,7 +18,7 @@ namespace haptolith {
 struct ReplayDifference {
   std::uint64_t tick = 0;
   double time_s = 0;
-  /// "state_hash", "tool pose", "soil wrench", "rendered force", "felt force", "injected energy", "trip", "end",
+  /// "state_hash", "tool pose", "soil wrench", "rendered force", "device wrench", "injected energy", "trip", "end",
   /// "flags"
   std::string what;
 };

@@ -43,7 +43,7 @@ class Ros2Arm::Implementation {
     wrench_.take([this](const WrenchMessage& message, std::uint64_t) { take(message); });
     if (commanded && ready() && ticks_++ % target_ticks_ == 0) {
       const Pose& site = parameters_.base_T_site;
-      const Pose base_T_tool{site.toScene(wanted.pose.position_m),
+      const Pose base_T_tool{site.fromBody(wanted.pose.position_m),
                              (site.orientation * wanted.pose.orientation).normalized()};
       const std::int64_t now_ns =
           std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())

@@ -37,7 +37,7 @@ std::int64_t wallClockNs() noexcept {
 struct ToldTick {
   double time_s = 0;
   Pose scene_T_tool;
-  Wrench soil, felt;
+  Wrench soil, device;
 };
 
 /// When ticks were, by the wall clock: evenly spaced as they are, though they are heard of in bursts. The tick that was
@@ -99,7 +99,7 @@ class ScenePublisher::Implementation {
 
   void add(std::span<const TickRecord> ticks) noexcept {
     for (const TickRecord& tick : ticks) {
-      if (!ticks_.push({tick.time_s, tick.scene_T_tool, tick.soil, tick.felt.wrench})) {
+      if (!ticks_.push({tick.time_s, tick.scene_T_tool, tick.soil, tick.sent.wrench})) {
         not_told_.fetch_add(1, std::memory_order_relaxed);
       }
     }
@@ -139,7 +139,7 @@ class ScenePublisher::Implementation {
     bool told = pose_.write(pose);
     told = wrench_.write(wrench_of(tick.soil)) && told;
     if (felt_) {
-      told = felt_->write(wrench_of(tick.felt)) && told;
+      told = felt_->write(wrench_of(tick.device)) && told;
     }
     if (ticks_told_++ % transform_ticks_ == 0) {
       tellTransform(stamp_ns, tick.scene_T_tool);

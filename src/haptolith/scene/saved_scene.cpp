@@ -35,12 +35,12 @@ Record recordOf(const SavedScene& saved) {
                 .opening = saved.tool.opening,
                 .opening_m = saved.opening_m,
                 .tool_fade = saved.tool_fade,
-                .grip_n = saved.felt.grip_n};
+                .grip_n = saved.soil_force.grip_n};
   const Quat& turn = saved.tool.pose.orientation;
   record.orientation = {turn.w(), turn.x(), turn.y(), turn.z()};
   Vec3::Map(record.position_m.data()) = saved.tool.pose.position_m;
-  Vec3::Map(record.force_n.data()) = saved.felt.wrench.force_n;
-  Vec3::Map(record.torque_nm.data()) = saved.felt.wrench.torque_nm;
+  Vec3::Map(record.force_n.data()) = saved.soil_force.wrench.force_n;
+  Vec3::Map(record.torque_nm.data()) = saved.soil_force.wrench.torque_nm;
   Eigen::Matrix3d::Map(record.contact_stiffness_n_m.data()) = saved.contact_stiffness_n_m;
   return record;
 }
@@ -78,11 +78,11 @@ SavedScene deserialiseSavedScene(std::string_view bytes) {
                    .tool = {},
                    .opening_m = record.opening_m,
                    .tool_fade = record.tool_fade,
-                   .felt = {}};
+                   .soil_force = {}};
   const auto& turn = record.orientation;
   saved.tool.pose = {Vec3::Map(record.position_m.data()), Quat(turn[0], turn[1], turn[2], turn[3])};
   saved.tool.opening = record.opening;
-  saved.felt = {{Vec3::Map(record.force_n.data()), Vec3::Map(record.torque_nm.data())}, record.grip_n};
+  saved.soil_force = {{Vec3::Map(record.force_n.data()), Vec3::Map(record.torque_nm.data())}, record.grip_n};
   saved.contact_stiffness_n_m = Eigen::Matrix3d::Map(record.contact_stiffness_n_m.data());
   return saved;
 }
@@ -98,7 +98,7 @@ SavedScene Scene::save() const {
           .tool = {{tool_pose_, {}}, opening_},
           .opening_m = opening_m_,
           .tool_fade = tool_fade_,
-          .felt = felt_,
+          .soil_force = soil_force_,
           .contact_stiffness_n_m = stiffness_n_m_};
 }
 
@@ -113,7 +113,7 @@ void Scene::recallTool(const SavedScene& saved) noexcept {
   opening_ = saved.tool.opening;
   opening_m_ = saved.opening_m;
   tool_fade_ = saved.tool_fade;
-  felt_ = saved.felt;
+  soil_force_ = saved.soil_force;
   stiffness_n_m_ = saved.contact_stiffness_n_m;
 }
 

@@ -96,7 +96,7 @@ bool Scene::moveGrain(const GrainMove& move) noexcept {
 
 StepStatus Scene::tick(const HandState& hand) noexcept {
   if (!isSomewhere(hand)) {
-    felt_ = {};
+    soil_force_ = {};
     stiffness_n_m_.setZero();
     return StepStatus::kNotFinite;
   }
@@ -123,7 +123,7 @@ StepStatus Scene::tick(const HandState& hand) noexcept {
   }
   tool_pose_ = hand.pose;
   opening_m_ = opening_to_m;
-  felt_ = {{sum.force_n / substeps_, sum.torque_nm / substeps_}, grip_n / substeps_};
+  soil_force_ = {{sum.force_n / substeps_, sum.torque_nm / substeps_}, grip_n / substeps_};
   return status;
 }
 

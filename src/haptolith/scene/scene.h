@@ -17,10 +17,10 @@ namespace haptolith {
 /// A scene between two ticks, with all that decides how it goes on.
 struct SavedScene {
   SavedBed bed;
-  HandState tool;        ///< where it is, and how far jaws are to open; its twist does not count
+  HandState tool;        ///< scene frame; how far jaws are to open; its twist does not count
   double opening_m = 0;  ///< between the jaws
   double tool_fade = 1;
-  Felt felt;
+  ToolForce soil_force;  ///< soil wrench of the last tick, scene frame
   Eigen::Matrix3d contact_stiffness_n_m = Eigen::Matrix3d::Zero();
 };
 
@@ -48,15 +48,16 @@ class Scene {
   Scene(const BedParameters& bed, const ToolParameters& tool, const SavedScene& saved);
 
   /// One tick: moves the tool from where it was to where `hand` has it, and opens jaws, in equal substeps, steps the
-  /// bed each time, and leaves the mean of what was felt in felt(). An opening that is not finite changes nothing; no
-  /// tool but jaws takes notice of one. A tool that is nowhere (a pose or twist that is not finite, an orientation
-  /// whose norm is not 1) is kNotFinite: nothing moves then, nothing is felt, and the scene can go on. May be called in
-  /// the tick.
+  /// bed each time, and leaves the mean of the soil's force in soilForce(). An opening that is not finite changes
+  /// nothing; no tool but jaws takes notice of one. A tool that is nowhere (a pose or twist that is not finite, an
+  /// orientation whose norm is not 1) is kNotFinite: nothing moves then, the soil wrench is zero, and the scene can go
+  /// on. May be called in the tick.
   [[nodiscard]] StepStatus tick(const HandState& hand) noexcept;
 
-  /// Force and torque of the soil on the tool over the last tick, about the tool's origin, scene frame, unfiltered; and
-  /// how hard it pushed jaws apart (see ToolReaction), 0 with another tool.
-  [[nodiscard]] const Felt& felt() const noexcept { return felt_; }
+  /// Soil wrench: of the soil on the tool, mean over the last tick, about the tool's origin, scene frame, unfiltered.
+  [[nodiscard]] const Wrench& soilWrench() const noexcept { return soil_force_.wrench; }
+  /// The soil wrench and the force that pushed jaws apart (see ToolReaction), 0 with another tool.
+  [[nodiscard]] const ToolForce& soilForce() const noexcept { return soil_force_; }
 
   /// How the force changes with the tool's place at the end of the last tick: see ToolReaction.
   [[nodiscard]] const Eigen::Matrix3d& contactStiffness() const noexcept { return stiffness_n_m_; }
@@ -94,7 +95,7 @@ class Scene {
   [[nodiscard]] Bed& bed() noexcept { return bed_; }
   [[nodiscard]] const Bed& bed() const noexcept { return bed_; }
   [[nodiscard]] const ToolParameters& tool() const noexcept { return tool_; }
-  [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }
+  [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }  ///< scene_T_tool
   [[nodiscard]] int substeps() const noexcept { return substeps_; }
 
  private:
@@ -109,7 +110,7 @@ class Scene {
   double opening_ = 1;  ///< of the jaws, to be reached by the end of a tick
   double opening_m_;    ///< now
   double tool_fade_ = 1;
-  Felt felt_;
+  ToolForce soil_force_;
   Eigen::Matrix3d stiffness_n_m_ = Eigen::Matrix3d::Zero();
 };
 

@@ -186,7 +186,7 @@ bool Session::takeStage() {
     return false;
   }
   if (!coming_is_asked_for_) {
-    coming_is_asked_for_ = loop_->ask(request::Exchange{request::ExchangeBed{coming_->shown}});
+    coming_is_asked_for_ = loop_->ask(request::Replace{request::ReplaceBed{coming_->shown}});
   }
   if (&loop_->shownScene() != coming_->shown || !coming_->shown->snapshots.update()) {
     return false;
@@ -357,7 +357,7 @@ void Session::changeWhatIsThere() {
   now.body = wanted_.body;
   now.title = wanted_.title;
   if (!sameTool(wanted_.tool, now.tool)) {
-    if (!loop_->ask(request::Exchange{request::ExchangeTool{wanted_.tool}})) {
+    if (!loop_->ask(request::Replace{request::ReplaceTool{wanted_.tool}})) {
       return;
     }
     now.tool = wanted_.tool;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+
 namespace haptolith {
 
 JawShell::JawShell(const ToolParameters& tool, int side) noexcept

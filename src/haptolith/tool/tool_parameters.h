@@ -77,7 +77,7 @@ struct ToolRanges {
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const ToolParameters& tool);
 
-/// What the tool weighs, about its origin, in the scene's frame: F = m g, T = (q c) x F. May be called in the tick.
+/// Weight of the tool as a wrench about its origin, scene frame: F = m g, T = (q c) x F. May be called in the tick.
 [[nodiscard]] Wrench weightOf(const ToolParameters& tool, const Quat& orientation, const Vec3& gravity_m_s2) noexcept;
 
 }  // namespace haptolith

@@ -191,7 +191,7 @@ OrderedJson robotJson(const RobotShown* robot) {
           {"behind", robot->behind},
           {"round_trip_s", robot->round_trip_s},
           {"pose", {at.x(), at.y(), at.z(), turn.w(), turn.x(), turn.y(), turn.z()}},
-          {"felt_n", vector(robot->felt_n)},
+          {"felt_n", vector(robot->displayed_n)},
           {"met_n", vector(robot->met_n)},
           {"learned", learnedJson(robot->learned)},
           {"site", siteJson(robot->site)}};

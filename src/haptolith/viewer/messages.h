@@ -45,14 +45,14 @@ struct SceneLookedAt {
 
 /// A robot far away that follows the tool.
 struct RobotShown {
-  std::string state;           ///< "following"
-  std::string reason;          ///< why it stopped; empty: it has not
-  bool heard = false;          ///< lately
-  std::uint64_t behind = 0;    ///< ticks since the command that it was last heard to have come to
-  double round_trip_s = 0;     ///< of a packet
-  Pose scene_T_tool;           ///< of its tool then, as if its soil's surface were this one's
-  Vec3 felt_n = Vec3::Zero();  ///< at the newest commands of which both are known,
-  Vec3 met_n = Vec3::Zero();   ///< and what the robot met there
+  std::string state;                ///< "following"
+  std::string reason;               ///< why it stopped; empty: it has not
+  bool heard = false;               ///< lately
+  std::uint64_t behind = 0;         ///< ticks since the command that it was last heard to have come to
+  double round_trip_s = 0;          ///< of a packet
+  Pose scene_T_tool;                ///< of its tool then, as if its soil's surface were this one's
+  Vec3 displayed_n = Vec3::Zero();  ///< at the newest commands of which both are known,
+  Vec3 met_n = Vec3::Zero();        ///< and what the robot met there
   /// What the soil has learned to be like; each the lower end of 90 %, the middle, the upper end.
   struct Learned {
     std::array<double, 3> friction_angle_deg{}, cohesion_pa{}, tool_friction_angle_deg{};

@@ -33,7 +33,7 @@ namespace Haptolith
     SoftStop = Native.HAPTO_TICK_SOFT_STOP,
     Failed = Native.HAPTO_TICK_FAILED,
     SoilAdjusted = Native.HAPTO_TICK_SOIL_ADJUSTED,
-    GrainMoved = Native.HAPTO_TICK_GRAIN_MOVED
+    ParticleMoved = Native.HAPTO_TICK_PARTICLE_MOVED
   }
 
   /// <summary>A picture of a running loop.</summary>

@@ -75,11 +75,11 @@ namespace Haptolith
     public ulong awake;  // that were worked on in the last tick, in whole groups of 16
     public ulong steps;  // substeps since the soil was made
     public double tick_s;  // what a step advances time by
-    public double radius_m;  // of a macroparticle
+    public double radius_m;  // of a particle
     public double mass_kg;  // of one of that radius
     public double width_m;  // of the box, along x and y
     public double length_m;
-    public double surface_m;  // height of the highest grain's top above the floor
+    public double surface_m;  // height of the topmost particle's top above the floor
     public double opening_m;  // between the tool's jaws
     public double tool_fade;  // 1: the tool touches the soil with all its stiffness
     public double energy_j;  // kinetic, gravitational and of contacts; gravity's zero is the origin
@@ -126,7 +126,7 @@ namespace Haptolith
     public uint reserved;
   }
 
-  /// <summary>what the hand is to feel, device frame, about the handle's origin</summary>
+  /// <summary>device wrench: device frame, about the handle's origin</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_device_output
   {
@@ -143,15 +143,15 @@ namespace Haptolith
   public unsafe delegate void hapto_device_write(void* user, hapto_device_output* force);
 
   [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-  public unsafe delegate void hapto_device_let_go(void* user);
+  public unsafe delegate void hapto_device_release_force(void* user);
 
   [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-  public unsafe delegate void hapto_device_take_up(void* user);
+  public unsafe delegate void hapto_device_resume_force(void* user);
 
   /// <summary>
   /// A device of the caller's. read and write are called once a tick, in that order, from the loop's thread: they must not
-  /// wait, lock, allocate or throw. let_go and take_up may be NULL; let_go means zero force at once and from now on, may come
-  /// from any thread, and is taken back by take_up.
+  /// wait, lock, allocate or throw. release_force and resume_force may be NULL. release_force means zero force at once and from
+  /// now on, and may come from any thread; resume_force ends it.
   /// </summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_device
@@ -163,8 +163,8 @@ namespace Haptolith
     public hapto_device_limits limits;
     public IntPtr read;  // hapto_device_read; `out` is as the call before left it, state live
     public IntPtr write;  // hapto_device_write
-    public IntPtr let_go;  // hapto_device_let_go
-    public IntPtr take_up;  // hapto_device_take_up
+    public IntPtr release_force;  // hapto_device_release_force
+    public IntPtr resume_force;  // hapto_device_resume_force
   }
 
   [StructLayout(LayoutKind.Sequential)]
@@ -173,7 +173,7 @@ namespace Haptolith
     public uint size;
     public int running;  // 0: not started, or ended
     public byte* end;  // why it ended, in words; "" while it runs
-    public byte* trip;  // why the hand feels nothing just now; "" when it does
+    public byte* trip;  // safety trip: why the force is zero; "" when it is not
     public uint trips;  // so far
     public int paused;
     public ulong ticks;
@@ -211,11 +211,11 @@ namespace Haptolith
     public hapto_twist device_twist;  // of the handle, device frame
     public double gripper_open;
     public hapto_pose scene_T_tool;
-    public hapto_wrench soil;  // soil wrench: about the tool's origin, scene frame, unfiltered
+    public hapto_wrench soil_wrench;  // of the soil on the tool, about its origin, scene frame, unfiltered
     public hapto_wrench rendered;  // what the device would be sent without the safety layer, about the handle's origin, device frame
     public double rendered_gripper_n;  // > 0 opens the fingers
-    public hapto_wrench felt;  // device wrench: what it was sent, about the handle's origin, device frame
-    public double felt_gripper_n;  // what the gripper was sent; > 0 opens the fingers
+    public hapto_wrench device_wrench;  // sent to the device, about the handle's origin, device frame
+    public double device_gripper_n;  // sent to the gripper; > 0 opens the fingers
     public double injected_j;  // energy that the hand was given beyond what it gave
     public double quick_injected_j;  // the same by the quick account (docs/safety.md)
     public double tick_us;  // work of this tick, and how late it began
@@ -230,7 +230,7 @@ namespace Haptolith
     public uint trips;  // so far
     public uint flags;  // of the last step: HAPTO_SAFETY_...
     public uint reserved;
-    public byte* trip;  // why the hand feels nothing just now; "" when it does
+    public byte* trip;  // safety trip: why the force is zero; "" when it is not
     public double injected_j;  // energy that the hand was given beyond what it gave
   }
 
@@ -266,7 +266,7 @@ namespace Haptolith
     public const int HAPTO_RADIUS = 3;  // m, HAPTO_FLOAT32; copy
     public const int HAPTO_ASLEEP = 4;  // 1: not worked on, since nothing near it moves; HAPTO_UINT8; copy
     public const int HAPTO_HELD = 5;  // 1: stands for ever where a box of settled soil ends; HAPTO_UINT8; copy
-    public const int HAPTO_CONTACT_LOAD = 6;  // N, how hard its neighbours press it: a picture of force chains; HAPTO_FLOAT32; copy
+    public const int HAPTO_CONTACT_LOAD = 6;  // N, how hard its neighbours press it: shows force chains; HAPTO_FLOAT32; copy
     public const int HAPTO_FIELDS = 6;
 
     public const int HAPTO_DEVICE_LIVE = 0;
@@ -278,7 +278,7 @@ namespace Haptolith
     public const int HAPTO_LOOP_KEEPS_TICKS = 2;  // for hapto_loop_take_ticks()
     public const int HAPTO_LOOP_HASHES = 4;  // ticks hold hashes of the soil, of a part of it each
 
-    public const int HAPTO_TRIP_NONE = 0;  // it does not
+    public const int HAPTO_TRIP_NONE = 0;  // no trip
     public const int HAPTO_TRIP_DEVICE_NOT_FINITE = 1;  // the device's pose or velocity is NaN or infinite
     public const int HAPTO_TRIP_STALE = 2;  // no new reading from the device
     public const int HAPTO_TRIP_LOST = 3;  // the device is gone
@@ -300,7 +300,8 @@ namespace Haptolith
     public const int HAPTO_TICK_SOFT_STOP = 512;  // the run was about to end
     public const int HAPTO_TICK_FAILED = 1024;  // the run ended with it: device gone, hand away, or a bed that makes no sense
     public const int HAPTO_TICK_SOIL_ADJUSTED = 2048;  // soil and tool friction were changed a little: a model that learns
-    public const int HAPTO_TICK_GRAIN_MOVED = 4096;  // a grain was put elsewhere: a model's surface that is corrected
+    public const int HAPTO_TICK_PARTICLE_MOVED = 4096;  // a particle was moved: a model's surface that is corrected
+    public const int HAPTO_TICK_GRAIN_MOVED = 4096;  // deprecated: HAPTO_TICK_PARTICLE_MOVED
 
     public const int HAPTO_SAFETY_LATE = 1;
     public const int HAPTO_SAFETY_ZEROED = 2;
@@ -456,7 +457,7 @@ namespace Haptolith
 
     /// <summary>
     /// Changes soil, gravity or tool of the soil as it lies, by overrides: "gravity.body=Mars", "tool.diameter_mm=40".
-    /// HAPTO_INVALID_PARAMETER when that needs another bed: another size of grain, more steps in a tick, any other table.
+    /// HAPTO_INVALID_PARAMETER when that needs another bed: another particle radius, more steps in a tick, any other table.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_change(IntPtr scene, byte** overrides, uint count);
@@ -542,7 +543,7 @@ namespace Haptolith
     public static extern int hapto_soil_profile(IntPtr soil, double gravity_m_s2, double depth_m, IntPtr* @out);
 
     /// <summary>
-    /// Finds the contacts of macroparticles whose sheared bed is as an engineer measured (docs/laboratory.md); takes minutes.
+    /// Finds contact parameters with which a sheared bed matches measured values (docs/laboratory.md); takes minutes.
     /// target  "friction_angle_deg = 42\ncohesion_pa = 520\nbulk_density_kg_m3 = 1500" in TOML, and if need be strength ("residual" or
     ///         "peak"), density ("lunar", more of it deeper, or "constant"), radius_mm, stiffness_n_m, body or gravity_m_s2, seed,
     ///         threads, specimens, name, source.
@@ -593,20 +594,20 @@ namespace Haptolith
 
     /// <summary>
     /// Runs it on a thread of its own, in step with the clock, with real-time priority and the process's memory locked where the
-    /// system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog lets
-    /// go of a person's hand when 4 ms pass without a tick (safety.heartbeat_ms).
+    /// system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog sets the
+    /// force on a person's hand to zero when 4 ms pass without a tick (safety.heartbeat_ms).
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_start(IntPtr loop);
 
     /// <summary>
-    /// One tick. late: whether the one before ended late (1). There is no watchdog: the caller has to let go of the device when it
-    /// does not come round. HAPTO_ENDED when it was the last. [1 kHz]
+    /// One tick. late: whether the one before ended late (1). There is no watchdog: the caller has to set the device's force to zero when it
+    /// cannot tick. HAPTO_ENDED when it was the last. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_tick(IntPtr loop, int late);
 
-    /// <summary>Ends a started loop: a person's hand is let go softly, and the thread has ended on return.</summary>
+    /// <summary>Ends a started loop: the force on a person's hand fades, and the thread has ended on return.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_stop(IntPtr loop);
 
@@ -615,8 +616,8 @@ namespace Haptolith
     public static extern int hapto_loop_destroy(IntPtr loop);
 
     /// <summary>
-    /// The newest picture, some 60 a second; may be called beside a running loop, from one thread. Valid until the next call.
-    /// Before the first picture there are no positions. While time stands still the wrenches are those of the last tick, and the
+    /// The newest snapshot, about 60 per second; may be called while the loop runs, from one thread. Valid until the next call.
+    /// Before the first snapshot there are no positions. While time stands still the wrenches are those of the last tick, and the
     /// device is sent zero.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]

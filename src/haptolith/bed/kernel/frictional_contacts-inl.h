@@ -1,5 +1,16 @@
-// What a particle feels of its neighbours by contact friction: cohesion, damping, and springs that remember. Included
-// again for every target, hence the toggled guard (Highway's idiom).
+// Force of the neighbours on each particle with contact friction: repulsion, cohesion, damping, tangential springs.
+// Included again for every target, hence the toggled guard (Highway's idiom).
+//
+// A row is the s-th neighbour of each of 16 particles (ContactLists). It passes four stages:
+//
+//   stage            loads                 computes                              hands on          registers
+//   gather           positions x_j         x_i - x_j, sum of the size excesses   PairGeometry       6
+//   relativeMotion   velocities v_j        distance a, normal n, v_i - v_j       PairMotion         7
+//   normalForce      slips xi              F_n with damping, xi + v_t dt, limit  NormalContact     12
+//   tangentialForce  -                     F_t; stores xi within the limit       Sums               5
+//
+// Each stage waits for the one before, and a row takes twice as long as a processor looks ahead. So frictionalSums()
+// keeps four rows in flight, each one stage behind the next: 30 vectors, in 32 registers with AVX-512 and NEON.
 
 #if defined(HAPTOLITH_FRICTIONAL_CONTACTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_FRICTIONAL_CONTACTS_INL_H_
@@ -21,48 +32,48 @@ struct Group {
   Rows rows;
   const Records &here, &velocity;
   const Lanes& at;
-  std::size_t last_touched;  ///< found out when looking
+  std::size_t last_touched;  ///< found out when pruning
   Sums sums;
 };
 
-/// A particle and its neighbour in a row.
-struct Met {
-  Apart way;
-  V excess;  ///< of both together
-  V theirs;
+/// Separation of particles and their neighbours in a row.
+struct PairGeometry {
+  Separation separation;
+  V excess;            ///< sum of both radii's excesses over the mean radius, m
+  V neighbour_excess;  ///< m
 };
 
-struct Near {
-  Triple<V> towards, relative;  ///< direction and velocity from the neighbour
-  V a;
+struct PairMotion {
+  Triple<V> normal, relative;  ///< n from the neighbour to the particle; v_i - v_j, m/s
+  V a;                         ///< distance less the excess, m: what the contact law takes
 };
 
-struct Pressed {
-  Triple<V> towards, sliding, stretch;
-  V a, push, reach;
+struct NormalContact {
+  Triple<V> normal, sliding, stretch;  ///< n; v_t, m/s; xi after sliding, m
+  V a, push, reach;                    ///< m; F_n with damping, N; limit / k_t, m
 };
 
-/// What is between two grains that touch, of one class or of two.
+/// Contact law between two particles, of one class or of two.
 struct PairLaw {
   LawOf<V> law;
   CohesionOf<V> cohesion;
   FrictionOf<V> friction;
-  V cutoff, near_limit, diameter, damping;
-  V sliding_per_n;  ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
-  V nearer;         ///< see ContactFrictionLaw
+  V cutoff, inner_cutoff, diameter, damping;
+  V sliding_per_n;     ///< mu_p / k_t: how far a spring can be stretched by what presses the two together, m/N
+  V diameter_deficit;  ///< see ContactFrictionLaw
 
   PairLaw() = default;
-  /// As it is at work: `ratio` is how much of friction and cohesion is switched on.
-  PairLaw(const ContactFrictionLaw& scalar, float dt, float ratio, float near_m)
+  /// @param ratio  share of friction and cohesion that is switched on, 0 to 1.
+  PairLaw(const ContactFrictionLaw& scalar, float dt, float ratio, float inner_skin_m)
       : law(lawOf(scalar.normal)),
         cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
         friction{set(dt), set(-scalar.stiffness), set(scalar.lag), set(1), set(1e-30F)},
         cutoff(set(scalar.normal.cutoff)),
-        near_limit(set(scalar.normal.cutoff + near_m)),
+        inner_cutoff(set(scalar.normal.cutoff + inner_skin_m)),
         diameter(set(scalar.normal.diameter)),
         damping(set(scalar.damping)),
         sliding_per_n(set(ratio * scalar.friction / scalar.stiffness)),
-        nearer(set(scalar.nearer)) {}
+        diameter_deficit(set(scalar.diameter_deficit)) {}
 
   /// Sets each constant that differs between pairs to what `of` makes of the one of `from`.
   template <class Of>
@@ -77,73 +88,79 @@ struct PairLaw {
     of(friction.minus_stiffness, from.friction.minus_stiffness);
     of(friction.lag, from.friction.lag);
     of(cutoff, from.cutoff);
-    of(near_limit, from.near_limit);
+    of(inner_cutoff, from.inner_cutoff);
     of(diameter, from.diameter);
     of(damping, from.damping);
     of(sliding_per_n, from.sliding_per_n);
-    of(nearer, from.nearer);
+    of(diameter_deficit, from.diameter_deficit);
   }
 
-  /// Damping takes energy from approach and parting alike, but never pulls.
+  /// Normal force with damping that dissipates in approach and separation, but never pulls:
+  ///
+  ///     F = max(F_n - c v_n, min(F_n, 0)),   c = zeta sqrt(2 m gamma) sqrt(-dF/da / gamma)
+  ///
+  /// c is zeta times the critical damping of the pair's stiffness -dF/da at `a` (rootOfStiffness()).
+  /// @param normal  F_n, repulsion positive, N. @param parting  v_n, positive when separating, m/s.
   HWY_INLINE V damped(V normal, V a, V parting) const {
     const V with_damping = hn::NegMulAdd(damping * rootOfStiffness(law, a), parting, normal);
     return hn::Max(with_damping, hn::Min(normal, cohesion.zero));
   }
 
-  struct Between {
-    V inverse, a;  ///< of the distance; as far as two particles of this law's mean size would be
+  struct PairDistance {
+    V inverse, a;  ///< 1 / distance; distance of two particles of this law's mean size that overlap alike, m
   };
   template <bool kGraded>
-  HWY_INLINE Between distanceIn(const Met& met) const {
-    const Distance distance = distanceOf(met.way.squared);
-    V a = distance.metres - met.excess;
+  HWY_INLINE PairDistance distanceIn(const PairGeometry& pair) const {
+    const Distance distance = distanceOf(pair.separation.squared);
+    V a = distance.metres - pair.excess;
     if constexpr (kGraded) {
-      a = a - nearer;
+      a = a - diameter_deficit;
     }
     return {distance.inverse, a};
   }
 
   template <bool kGraded>
-  HWY_INLINE Near approach(Group& group, std::size_t row, const Met& met) const {
+  HWY_INLINE PairMotion relativeMotion(Group& group, std::size_t row, const PairGeometry& pair) const {
     const D d;
     const Records u = group.rows.velocities(row);
-    group.rows.askForNextSlips(row);
-    const Between between = distanceIn<kGraded>(met);
-    if (group.at.looking != nullptr) {
-      if (!hn::AllFalse(d, between.a < near_limit)) {
-        noteNear(group.at, row);
+    group.rows.prefetchNextSlips(row);
+    const PairDistance distance = distanceIn<kGraded>(pair);
+    if (group.at.pruning != nullptr) {
+      if (!hn::AllFalse(d, distance.a < inner_cutoff)) {
+        keepInInnerList(group.at, row);
       }
-      if (!hn::AllFalse(d, between.a < cutoff)) {
+      if (!hn::AllFalse(d, distance.a < cutoff)) {
         group.last_touched = row + 1;
       }
     }
-    return {{met.way.x * between.inverse, met.way.y * between.inverse, met.way.z * between.inverse},
+    return {{pair.separation.x * distance.inverse, pair.separation.y * distance.inverse,
+             pair.separation.z * distance.inverse},
             {group.velocity.x - u.x, group.velocity.y - u.y, group.velocity.z - u.z},
-            between.a};
+            distance.a};
   }
 
   template <bool kCompression>
-  HWY_INLINE Pressed press(Group& group, std::size_t row, const Near& near) const {
+  HWY_INLINE NormalContact normalForce(Group& group, std::size_t row, const PairMotion& pair) const {
     const D d;
     const float* HWY_RESTRICT slip = group.rows.slips(row);
     const Triple<V> stretch{hn::Load(d, slip), hn::Load(d, slip + kGroup), hn::Load(d, slip + 2 * kGroup)};
-    const CohesiveContact<V> contact = cohesiveContact(law, cohesion, diameter, near.a);
+    const CohesiveContact<V> contact = cohesiveContact(law, cohesion, diameter, pair.a);
     if constexpr (kCompression) {
-      group.sums.repulsion = group.sums.repulsion + hn::IfThenElseZero(near.a < cutoff, contact.compression);
+      group.sums.repulsion = group.sums.repulsion + hn::IfThenElseZero(pair.a < cutoff, contact.compression);
     }
-    const V parting = dot(near.relative, near.towards);
-    const Triple<V> sliding{hn::NegMulAdd(parting, near.towards.x, near.relative.x),
-                            hn::NegMulAdd(parting, near.towards.y, near.relative.y),
-                            hn::NegMulAdd(parting, near.towards.z, near.relative.z)};
-    return {near.towards,
+    const V parting = dot(pair.relative, pair.normal);
+    const Triple<V> sliding{hn::NegMulAdd(parting, pair.normal.x, pair.relative.x),
+                            hn::NegMulAdd(parting, pair.normal.y, pair.relative.y),
+                            hn::NegMulAdd(parting, pair.normal.z, pair.relative.z)};
+    return {pair.normal,
             sliding,
-            stretched(friction, near.towards, sliding, stretch),
-            near.a,
-            damped(contact.normal, near.a, parting),
+            stretched(friction, pair.normal, sliding, stretch),
+            pair.a,
+            damped(contact.normal, pair.a, parting),
             sliding_per_n * contact.compression};
   }
 
-  HWY_INLINE void rub(Group& group, std::size_t row, const Pressed& on) const {
+  HWY_INLINE void tangentialForce(Group& group, std::size_t row, const NormalContact& on) const {
     const D d;
     const auto touching = on.a < cutoff;
     Triple<V> stretch = on.stretch;
@@ -154,53 +171,55 @@ struct PairLaw {
     hn::Store(stretch.y, d, slip + kGroup);
     hn::Store(stretch.z, d, slip + 2 * kGroup);
     Sums& sums = group.sums;
-    sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.towards.x, drag.x));
-    sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.towards.y, drag.y));
-    sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.towards.z, drag.z));
+    sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.normal.x, drag.x));
+    sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.normal.y, drag.y));
+    sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.normal.z, drag.z));
   }
 
-  /// Particles against a wall: `distance` to it, velocity away from it and along it; what they have slid so far.
-  struct Touch {
-    V distance, away, along_1, along_2;
-    float *slip_1, *slip_2;
-    std::uint8_t bit;  ///< of the wall, in StepArrays::near_walls
+  /// Particles next to a wall.
+  struct WallContact {
+    V distance;              ///< m
+    V away;                  ///< velocity away from the wall, m/s
+    V along_1, along_2;      ///< velocity along it, m/s
+    float *slip_1, *slip_2;  ///< slips along it, m; read and written
+    WallBit bit;
   };
   struct WallForce {
     V away, along_1, along_2;
   };
-  /// The wall is the particle's mirror image, which comes as fast as it goes, and does not slide. `ratio` is its
-  /// friction and cohesion over the soil's; its cohesion does not change how far it reaches.
-  HWY_INLINE WallForce wall(V ratio, const Touch& touch, std::uint8_t& near_walls) const {
+  /// Force of a wall: the particle's mirror image, which approaches as fast and does not slide.
+  /// @param ratio  the wall's friction and cohesion over the soil's; cohesion keeps its range.
+  HWY_INLINE WallForce wall(V ratio, const WallContact& at, std::uint8_t& near_walls) const {
     const D d;
     const V zero = hn::Zero(d);
-    const V a = touch.distance + touch.distance - nearer;
+    const V a = at.distance + at.distance - diameter_deficit;
     const auto near = a < cutoff;
     if (hn::AllFalse(d, near)) {
-      if ((near_walls & touch.bit) != 0) {
-        hn::Store(zero, d, touch.slip_1);
-        hn::Store(zero, d, touch.slip_2);
+      if ((near_walls & at.bit) != 0) {
+        hn::Store(zero, d, at.slip_1);
+        hn::Store(zero, d, at.slip_2);
         if (hn::Lanes(d) == kGroup) {  // else the group's other vectors may remember
-          near_walls = static_cast<std::uint8_t>(near_walls & ~touch.bit);
+          near_walls = static_cast<std::uint8_t>(near_walls & ~at.bit);
         }
       }
       return {zero, zero, zero};
     }
-    near_walls |= touch.bit;
+    near_walls |= at.bit;
     CohesionOf<V> own = cohesion;
     own.largest = ratio * cohesion.largest;
     const CohesiveContact<V> contact = cohesiveContact(law, own, diameter, a);
-    Triple<V> slip{hn::Load(d, touch.slip_1), hn::Load(d, touch.slip_2), zero};
+    Triple<V> slip{hn::Load(d, at.slip_1), hn::Load(d, at.slip_2), zero};
     const Triple<V> drag = frictionForce(friction, ratio * sliding_per_n * contact.compression, {zero, zero, set(1)},
-                                         {touch.along_1, touch.along_2, zero}, slip);
-    hn::Store(hn::IfThenElseZero(near, slip.x), d, touch.slip_1);
-    hn::Store(hn::IfThenElseZero(near, slip.y), d, touch.slip_2);
-    return {hn::IfThenElseZero(near, damped(contact.normal, a, touch.away + touch.away)),
-            hn::IfThenElseZero(near, drag.x), hn::IfThenElseZero(near, drag.y)};
+                                         {at.along_1, at.along_2, zero}, slip);
+    hn::Store(hn::IfThenElseZero(near, slip.x), d, at.slip_1);
+    hn::Store(hn::IfThenElseZero(near, slip.y), d, at.slip_2);
+    return {hn::IfThenElseZero(near, damped(contact.normal, a, at.away + at.away)), hn::IfThenElseZero(near, drag.x),
+            hn::IfThenElseZero(near, drag.y)};
   }
 };
 
-/// Rows whose contacts are worked out at once, see frictionalSums().
-constexpr std::size_t kRowsUnderWay = 4;
+/// Rows in flight at once, one for each stage.
+constexpr std::size_t kRowsInFlight = 4;
 
 /// Laws of grains of one class with all classes.
 struct LawsOfClass {
@@ -262,8 +281,8 @@ class GroupLaws {
 template <bool kGraded>
 class PairLaws {
  public:
-  PairLaws(const GradedLaw& law, float dt, float ratio, float near_m)
-      : law_(law), dt_(dt), ratio_(ratio), near_m_(near_m) {}
+  PairLaws(const GradedLaw& law, float dt, float ratio, float inner_skin_m)
+      : law_(law), dt_(dt), ratio_(ratio), inner_skin_m_(inner_skin_m) {}
 
   [[nodiscard]] HWY_INLINE GroupLaws of(const StepArrays& arrays, std::size_t group) {
     const std::size_t own = kGraded ? arrays.grain_class[group] : 0;
@@ -278,7 +297,7 @@ class PairLaws {
   static constexpr std::size_t kClasses = kGraded ? GrainClasses::kMost : 1;
 
   [[nodiscard]] PairLaw between(std::size_t own, std::size_t other) const {
-    return {law_.between[own][other], dt_, ratio_, near_m_};
+    return {law_.between[own][other], dt_, ratio_, inner_skin_m_};
   }
 
   void make(std::size_t own) {
@@ -298,27 +317,27 @@ class PairLaws {
   }
 
   const GradedLaw& law_;
-  float dt_, ratio_, near_m_;
+  float dt_, ratio_, inner_skin_m_;
   std::array<bool, kClasses> made_{};
   std::array<LawsOfClass, kClasses> laws_;
 };
 
-/// Laws of the rows that are under way: in a graded bed each has its own.
+/// Laws of the rows in flight: in a graded bed each has its own.
 template <bool kGraded>
 class RowLaws {
  public:
   explicit RowLaws(const GroupLaws& laws) : laws_(laws) {}
 
-  /// Of a row that has just been met, and from then on.
-  HWY_INLINE decltype(auto) row(std::size_t row, const Met& met) {
+  /// Law of a row that has just been gathered; row(row) returns it from then on.
+  HWY_INLINE decltype(auto) row(std::size_t row, const PairGeometry& pair) {
     if constexpr (kGraded) {
-      classes_[row % kRowsUnderWay] = laws_.classesOf(met.theirs);
+      classes_[row % kRowsInFlight] = laws_.classesOf(pair.neighbour_excess);
     }
     return this->row(row);
   }
   [[nodiscard]] HWY_INLINE decltype(auto) row(std::size_t row) const {
     if constexpr (kGraded) {
-      return laws_.with(classes_[row % kRowsUnderWay]);
+      return laws_.with(classes_[row % kRowsInFlight]);
     } else {
       return laws_.own();
     }
@@ -326,20 +345,18 @@ class RowLaws {
 
  private:
   const GroupLaws& laws_;
-  std::array<RowClasses, kGraded ? kRowsUnderWay : 0> classes_;
+  std::array<RowClasses, kGraded ? kRowsInFlight : 0> classes_;
 };
 
 template <bool kPeriodic>
-HWY_INLINE Met meet(const Group& group, const PeriodsOf& periods, std::size_t row) {
+HWY_INLINE PairGeometry gather(const Group& group, const PeriodsOf& periods, std::size_t row) {
   const Records there = group.rows.positions(row);
-  group.rows.askForNextOthers(row);
-  return {apart<kPeriodic>(periods, group.here, there), group.here.w + there.w, there.w};
+  group.rows.prefetchNextNeighbours(row);
+  return {separationOf<kPeriodic>(periods, group.here, there), group.here.w + there.w, there.w};
 }
 
-/// All neighbours, friction included; their memory moves on. What limits friction is summed only for who asks.
-///
-/// A row is one long chain in which each step waits for the one before: twice as long as the processor looks ahead.
-/// So four rows are under way at once, each a quarter of its work behind the next.
+/// Sum of the forces of all neighbours on each particle, N; advances the slips by one step. `kCompression`: also sums
+/// what limits friction.
 template <bool kGraded, bool kPeriodic, bool kCompression>
 HWY_INLINE Sums frictionalSums(const GroupLaws& laws, const PeriodsOf& periods, const StepArrays& arrays,
                                const Lanes& at, const Records& here, const Records& v) {
@@ -351,11 +368,11 @@ HWY_INLINE Sums frictionalSums(const GroupLaws& laws, const PeriodsOf& periods, 
   // Behind those that touched, as most rows at the end of lists that have the nearest first, distances will do.
   std::size_t rows = HWY_MIN(std::size_t{touched}, at.rows);
   for (std::size_t row = rows; row < at.rows; ++row) {
-    const Met met = meet<kPeriodic>(group, periods, row);
-    const auto& law = of.row(row, met);
-    const V a = law.template distanceIn<kGraded>(met).a;
-    if (at.looking != nullptr && !hn::AllFalse(d, a < law.near_limit)) {
-      noteNear(at, row);
+    const PairGeometry pair = gather<kPeriodic>(group, periods, row);
+    const auto& law = of.row(row, pair);
+    const V a = law.template distanceIn<kGraded>(pair).a;
+    if (at.pruning != nullptr && !hn::AllFalse(d, a < law.inner_cutoff)) {
+      keepInInnerList(at, row);
     }
     rows = hn::AllFalse(d, a < law.cutoff) ? rows : row + 1;
   }
@@ -363,25 +380,25 @@ HWY_INLINE Sums frictionalSums(const GroupLaws& laws, const PeriodsOf& periods, 
     return group.sums;
   }
   rows = HWY_MAX(rows, std::size_t{3});  // there is room for them, if with ghosts only
-  Met met = meet<kPeriodic>(group, periods, 0);
-  Near near = of.row(0, met).template approach<kGraded>(group, 0, met);
-  met = meet<kPeriodic>(group, periods, 1);
-  Pressed pressed = of.row(0).template press<kCompression>(group, 0, near);
-  near = of.row(1, met).template approach<kGraded>(group, 1, met);
-  met = meet<kPeriodic>(group, periods, 2);
+  PairGeometry pair = gather<kPeriodic>(group, periods, 0);
+  PairMotion motion = of.row(0, pair).template relativeMotion<kGraded>(group, 0, pair);
+  pair = gather<kPeriodic>(group, periods, 1);
+  NormalContact contact = of.row(0).template normalForce<kCompression>(group, 0, motion);
+  motion = of.row(1, pair).template relativeMotion<kGraded>(group, 1, pair);
+  pair = gather<kPeriodic>(group, periods, 2);
   for (std::size_t row = 3; row < rows; ++row) {
-    of.row(row - 3).rub(group, row - 3, pressed);
-    pressed = of.row(row - 2).template press<kCompression>(group, row - 2, near);
-    near = of.row(row - 1, met).template approach<kGraded>(group, row - 1, met);
-    met = meet<kPeriodic>(group, periods, row);
+    of.row(row - 3).tangentialForce(group, row - 3, contact);
+    contact = of.row(row - 2).template normalForce<kCompression>(group, row - 2, motion);
+    motion = of.row(row - 1, pair).template relativeMotion<kGraded>(group, row - 1, pair);
+    pair = gather<kPeriodic>(group, periods, row);
   }
-  of.row(rows - 3).rub(group, rows - 3, pressed);
-  pressed = of.row(rows - 2).template press<kCompression>(group, rows - 2, near);
-  near = of.row(rows - 1, met).template approach<kGraded>(group, rows - 1, met);
-  of.row(rows - 2).rub(group, rows - 2, pressed);
-  pressed = of.row(rows - 1).template press<kCompression>(group, rows - 1, near);
-  of.row(rows - 1).rub(group, rows - 1, pressed);
-  const std::size_t now_touched = at.looking != nullptr ? group.last_touched : rows;
+  of.row(rows - 3).tangentialForce(group, rows - 3, contact);
+  contact = of.row(rows - 2).template normalForce<kCompression>(group, rows - 2, motion);
+  motion = of.row(rows - 1, pair).template relativeMotion<kGraded>(group, rows - 1, pair);
+  of.row(rows - 2).tangentialForce(group, rows - 2, contact);
+  contact = of.row(rows - 1).template normalForce<kCompression>(group, rows - 1, motion);
+  of.row(rows - 1).tangentialForce(group, rows - 1, contact);
+  const std::size_t now_touched = at.pruning != nullptr ? group.last_touched : rows;
   // Where a group is several vectors, the others' rows stay noted.
   touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? now_touched : HWY_MAX(now_touched, touched));
   return group.sums;

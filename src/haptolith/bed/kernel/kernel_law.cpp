@@ -30,7 +30,7 @@ ContactFrictionLaw contactFrictionLaw(const SoilParameters& coarsest, int class_
   const double tangential_stiffness = soil.tangential_ratio * soil.stiffness_n_m;
   const double damping = soil.damping_ratio * std::sqrt(2 * massBetween(coarsest, class_a, class_b));
   return {.normal = kernelLaw(law, soil.radius_m),
-          .nearer = f(2 * (coarsest.radius_m - soil.radius_m)),
+          .diameter_deficit = f(2 * (coarsest.radius_m - soil.radius_m)),
           .cohesion = f(law.cohesion_n),
           .two_per_range = f(2 / law.cohesion_range_m),
           .damping = f(damping * std::sqrt(law.gamma_nm)),

@@ -18,7 +18,7 @@ struct KernelLaw {
 /// Constants of contacts with contact friction, as the kernel and its walls want them.
 struct ContactFrictionLaw {
   KernelLaw normal;
-  float nearer;                   ///< by how much less the mean radii of the two add up to than two of class 0, m
+  float diameter_deficit;         ///< 2 (R_0 - R_pair), m: contact begins this much closer than for two of class 0
   float cohesion, two_per_range;  ///< F_c in N; 2 / range in 1/m
   float damping;    ///< zeta sqrt(2 m gamma): c is that times sqrt(-dF/da / gamma), zeta of a pair's critical
   float friction;   ///< mu_p

@@ -15,13 +15,13 @@ namespace haptolith::HWY_NAMESPACE {
 
 struct PaperContacts {
   LawOf<V> law;
-  V cutoff, near_limit, diameter;
+  V cutoff, inner_cutoff, diameter;
   PeriodsOf periods;
 
-  PaperContacts(const KernelLaw& scalar, const Periods& box, float near_m)
+  PaperContacts(const KernelLaw& scalar, const Periods& box, float inner_skin_m)
       : law(lawOf(scalar)),
         cutoff(set(scalar.cutoff)),
-        near_limit(set(scalar.cutoff + near_m)),
+        inner_cutoff(set(scalar.cutoff + inner_skin_m)),
         diameter(set(scalar.diameter)),
         periods(box) {}
 
@@ -33,15 +33,15 @@ struct PaperContacts {
     const V one = set(1);
     Sums sums{zero, zero, zero, zero, zero};
     const Rows rows(arrays, at);
-    const auto fetch = [&](std::size_t row) { return apart<kPeriodic>(periods, here, rows.positions(row)); };
-    Apart next = fetch(0);  // there is room for a row, if with ghosts only
+    const auto fetch = [&](std::size_t row) { return separationOf<kPeriodic>(periods, here, rows.positions(row)); };
+    Separation next = fetch(0);  // there is room for a row, if with ghosts only
     for (std::size_t row = 0; row < at.rows; ++row) {
-      const Apart d = next;
+      const Separation d = next;
       next = fetch(row + 1 < at.rows ? row + 1 : row);
-      rows.askForNextOthers(row);
+      rows.prefetchNextNeighbours(row);
       const Distance a = distanceOf(d.squared);
-      if (at.looking != nullptr && !hn::AllFalse(D(), a.metres < near_limit)) {
-        noteNear(at, row);
+      if (at.pruning != nullptr && !hn::AllFalse(D(), a.metres < inner_cutoff)) {
+        keepInInnerList(at, row);
       }
       const V force = hn::IfThenElseZero(a.metres < cutoff, uncutContactForce(law, a.metres));
       const V per_metre = force * a.inverse;

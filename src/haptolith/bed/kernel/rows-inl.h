@@ -25,13 +25,13 @@ HWY_INLINE V set(float value) {
 /// Where in the arrays a vector of particles stands: 16 particles are a group, one vector of AVX-512 or several.
 struct Lanes {
   std::size_t group, in_group, next_group;
-  std::size_t rows;   // to go through
-  NearRows* looking;  // where to note which of them have somebody near; null: that is known
+  std::size_t rows;    // number of rows to compute
+  InnerRows* pruning;  // inner list to fill in this pass; null: it is up to date
   [[nodiscard]] std::size_t particle() const { return group * kGroup + in_group; }
 };
 
-/// The rows of a group and of the one after it. While one is worked on the other is asked for, a row at a time: lists
-/// are longer than processors look ahead, and large beds lie in memory far slower than the kernel is.
+/// Rows of a group, and of the next one, which are prefetched a row at a time: lists are longer than processors look
+/// ahead, and a large bed is in memory far slower than the kernel.
 class Rows {
  public:
   Rows(const StepArrays& arrays, const Lanes& at)
@@ -51,8 +51,8 @@ class Rows {
   }
   /// x of a row; y and z stand kGroup and 2 kGroup behind.
   [[nodiscard]] HWY_INLINE float* slips(std::size_t row) const { return slip_ + row * 3 * kGroup; }
-  HWY_INLINE void askForNextOthers(std::size_t row) const { hwy::Prefetch(next_other_ + row * kGroup); }
-  HWY_INLINE void askForNextSlips(std::size_t row) const {
+  HWY_INLINE void prefetchNextNeighbours(std::size_t row) const { hwy::Prefetch(next_other_ + row * kGroup); }
+  HWY_INLINE void prefetchNextSlips(std::size_t row) const {
     const float* slip = next_slip_ + row * 3 * kGroup;
     hwy::Prefetch(slip);
     hwy::Prefetch(slip + kGroup);
@@ -65,19 +65,19 @@ class Rows {
   const Float4 *position_, *velocity_;
 };
 
-/// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1. Groups that
-/// have not looked who is near do so.
+/// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1. Groups whose
+/// inner list is older than `pruning_pass` compute all rows and rebuild it.
 template <class Each>
-HWY_INLINE void forEachVector(const StepArrays& arrays, std::uint64_t look, std::size_t first, std::size_t last,
+HWY_INLINE void forEachVector(const StepArrays& arrays, std::uint64_t pruning_pass, std::size_t first, std::size_t last,
                               const Each& each) {
   for (std::size_t k = first; k < last; ++k) {
     const std::size_t group = arrays.groups != nullptr ? arrays.groups[k] : k;
     const std::size_t next = arrays.groups != nullptr ? arrays.groups[k + 1] : k + 1;
-    NearRows* const near = arrays.near != nullptr ? arrays.near + group : nullptr;
-    const bool known = near != nullptr && near->look == look;
-    Lanes at{group, 0, next, known ? near->rows : arrays.rows[group], known ? nullptr : near};
-    if (at.looking != nullptr) {
-      *near = {look, 0};
+    InnerRows* const inner = arrays.inner != nullptr ? arrays.inner + group : nullptr;
+    const bool known = inner != nullptr && inner->pruning_pass == pruning_pass;
+    Lanes at{group, 0, next, known ? inner->rows : arrays.rows[group], known ? nullptr : inner};
+    if (at.pruning != nullptr) {
+      *inner = {pruning_pass, 0};
     }
     for (; at.in_group < kGroup; at.in_group += hn::Lanes(D())) {
       each(at);
@@ -85,13 +85,13 @@ HWY_INLINE void forEachVector(const StepArrays& arrays, std::uint64_t look, std:
   }
 }
 
-/// Notes that a row has somebody near.
-HWY_INLINE void noteNear(const Lanes& at, std::size_t row) {
-  at.looking->rows = HWY_MAX(at.looking->rows, static_cast<std::uint32_t>(row + 1));
+/// Extends the group's inner list to `row`.
+HWY_INLINE void keepInInnerList(const Lanes& at, std::size_t row) {
+  at.pruning->rows = HWY_MAX(at.pruning->rows, static_cast<std::uint32_t>(row + 1));
 }
 
-/// A distance and its inverse from its square, the distance to the last bit but one, for the law magnifies its error:
-/// Goldschmidt's step from the processor's first guess, and one more for the distance where that has 12 bits only.
+/// A distance and its inverse from its square, the distance to within 1 ulp, because the contact law amplifies its
+/// error: Goldschmidt's step from the processor's first guess, and one more for the distance where that has 12 bits.
 struct Distance {
   V metres, inverse;
 };
@@ -118,12 +118,12 @@ struct PeriodsOf {
       : width(set(p.width)), length(set(p.length)), per_width(set(p.per_width)), per_length(set(p.per_length)) {}
 };
 
-/// From neighbours to particles: where they are, and how far that is.
-struct Apart {
+/// Vector from the neighbours to the particles, m, and its square, m^2.
+struct Separation {
   V x, y, z, squared;
 };
 template <bool kPeriodic>
-HWY_INLINE Apart apart(const PeriodsOf& periods, const Records& here, const Records& other) {
+HWY_INLINE Separation separationOf(const PeriodsOf& periods, const Records& here, const Records& other) {
   const V x = nearestImage<kPeriodic>(here.x - other.x, periods.width, periods.per_width);
   const V y = nearestImage<kPeriodic>(here.y - other.y, periods.length, periods.per_length);
   const V z = here.z - other.z;
@@ -131,7 +131,7 @@ HWY_INLINE Apart apart(const PeriodsOf& periods, const Records& here, const Reco
   return {x, y, z, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, tiny)))};
 }
 
-/// What particles feel of their neighbours.
+/// Forces of the neighbours, N; sum of repulsion, N; number of overlaps.
 struct Sums {
   V x, y, z, repulsion, contacts;
 };

@@ -6,6 +6,9 @@
 
 namespace haptolith {
 
+/// Walls as bits of StepArrays::near_walls. Of two opposite walls only the nearer one is in reach.
+enum WallBit : std::uint8_t { kFloor = 1, kWallX = 2, kWallY = 4 };
+
 /// What a step reads and writes. G groups of kGroup, N = kGroup G records, of which those behind the particles are
 /// ghosts, R rows of kGroup entries in the contact lists' pool.
 struct StepArrays {
@@ -15,7 +18,7 @@ struct StepArrays {
   // Read. Particles:
   const Float4 *position, *velocity;  ///< [N] m, m/s
   const Float4* external;             ///< [N] forces of tool and stones, N
-  const Float4* listed_at;            ///< [N] where the lists have each, m: see Neighbourhood
+  const Float4* reference_position;   ///< [N] where each was when its list was built, m: see Neighbourhood
   const std::uint8_t* grain_class;    ///< [G]; null: all of the coarsest (contact friction only)
 
   // Read. Contact lists, as in ContactLists:
@@ -26,10 +29,10 @@ struct StepArrays {
   // Read and written.
   float* slip;               ///< [R][3][kGroup] x, y and z of each entry's slip, m
   std::uint16_t* touched;    ///< [G] rows behind which no entry remembers anything
-  NearRows* near;            ///< [G]; null: all rows
+  InnerRows* inner;          ///< [G] rows of the inner lists; null: none, all rows are computed
   Float4* remainder;         ///< [N] BedState::remainder; null: none
   WallSlips* wall_slip;      ///< [G] contact friction only
-  std::uint8_t* near_walls;  ///< [G] a bit for each wall; where it is clear nothing is remembered of that wall
+  std::uint8_t* near_walls;  ///< [G] WallBits; a clear bit means that all slips at that wall are 0
 
   // Written.
   Float4 *next_position, *next_velocity;  ///< [N]

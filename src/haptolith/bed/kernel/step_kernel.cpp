@@ -15,10 +15,10 @@ namespace haptolith::HWY_NAMESPACE {
 
 // Highway's dispatch tables take no noexcept functions; the public ones below are.
 
-/// How far particles may leave their places, over half the skin: between 0.65 and 1, different for each, or all that
-/// move alike would have to be entered again in the same step. 1 is the most that keeps every contact listed; 0.65 is a
-/// choice: the less, the more evenly entries spread over the ticks, and the more there are of them.
-HWY_INLINE V relistThreshold(std::size_t particle) {
+/// Distance from the reference position at which a list is rebuilt, over half the skin: 0.65 to 1, different for each
+/// particle, so that particles that move alike are not all rebuilt in one step. 1 is the maximum that keeps every
+/// contact listed; a lower minimum than 0.65 spreads rebuilds more evenly and causes more of them.
+HWY_INLINE V skinFraction(std::size_t particle) {
   const D d;
   const hn::RebindToSigned<D> di;
   const auto number = hn::Iota(di, static_cast<std::int32_t>(particle & 0xFFFF));
@@ -26,15 +26,15 @@ HWY_INLINE V relistThreshold(std::size_t particle) {
   return hn::MulAdd(hn::ConvertTo(d, scattered), set(0.35F / 255), set(0.65F));
 }
 
-/// What a particle of a class has of the constants of the step: half the radius is an eighth of the mass.
-struct Grain {
+/// Constants of the step for a class of particles: half the radius is an eighth of the mass.
+struct ClassConstants {
   float skin_half_squared, inverse_mass;
   float weight_x, weight_y, weight_z;
-  explicit Grain(const StepConstants& now, int grain_class = 0)
-      : Grain(now, GrainClasses::scale(grain_class), GrainClasses::scale(3 * grain_class)) {}
+  explicit ClassConstants(const StepConstants& now, int grain_class = 0)
+      : ClassConstants(now, GrainClasses::scale(grain_class), GrainClasses::scale(3 * grain_class)) {}
 
  private:
-  Grain(const StepConstants& now, float radius, float volume)  // over those of class 0: powers of two
+  ClassConstants(const StepConstants& now, float radius, float volume)  // over those of class 0: powers of two
       : skin_half_squared(now.skin_half_squared * radius * radius),
         inverse_mass(now.inverse_mass / volume),
         weight_x(now.weight_x * volume),
@@ -42,14 +42,15 @@ struct Grain {
         weight_z(now.weight_z * volume) {}
 };
 
-/// Moves particles on with their new velocity, and notes who is not at rest and who has gone far.
-HWY_INLINE void moveOn(const StepConstants& now, const Grain& grain, const StepArrays& arrays, const Lanes& at,
-                       const Records& here, const Records& velocity, Moved& moved, V& fastest_squared) {
+/// Integrates positions; flags groups that move and particles that have left their reference position.
+HWY_INLINE void integrate(const StepConstants& now, const ClassConstants& own, const StepArrays& arrays,
+                          const Lanes& at, const Records& here, const Records& velocity, Moved& moved,
+                          V& fastest_squared) {
   const D d;
   const V dt = set(now.dt);
   Records next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
                hn::MulAdd(dt, velocity.z, here.z), here.w};
-  if (arrays.remainder != nullptr) {  // what rounding cuts off is made up for in later steps (Kahan 1965)
+  if (arrays.remainder != nullptr) {  // compensated summation (Kahan 1965)
     Float4* const kept = arrays.remainder + at.particle();
     const Records left = loadInOrder(kept);
     const Records way{hn::MulAdd(dt, velocity.x, left.x), hn::MulAdd(dt, velocity.y, left.y),
@@ -67,14 +68,14 @@ HWY_INLINE void moveOn(const StepConstants& now, const Grain& grain, const StepA
   std::uint8_t& any_moving = arrays.moving[at.group];
   any_moving = static_cast<std::uint8_t>(moving || (at.in_group > 0 && any_moving != 0));
 
-  const Records place = loadInOrder(arrays.listed_at + at.particle());
-  const V x = next.x - place.x;
-  const V y = next.y - place.y;
-  const V z = next.z - place.z;
+  const Records reference = loadInOrder(arrays.reference_position + at.particle());
+  const V x = next.x - reference.x;
+  const V y = next.y - reference.y;
+  const V z = next.z - reference.z;
   const V squared = hn::MulAdd(x, x, hn::MulAdd(y, y, z * z));
-  const V share = relistThreshold(at.particle());
-  const V limit = set(grain.skin_half_squared) * share * share;
-  const auto stays = squared <= limit;  // false for NaN, too
+  const V fraction = skinFraction(at.particle());
+  const V limit = set(own.skin_half_squared) * fraction * fraction;
+  const auto stays = squared <= limit;  // false for NaN
   if (!hn::AllTrue(d, stays)) {
     HWY_ALIGN float distances[hn::MaxLanes(D())];
     HWY_ALIGN float limits[hn::MaxLanes(D())];
@@ -96,33 +97,34 @@ HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
           hn::IfThenElse(driven, v.z, wanted.z), v.w};
 }
 
-/// Neighbours, weight and others' forces together; the neighbours' share is kept if somebody wants to know it.
-HWY_INLINE Triple<V> besidesWalls(const Sums& sums, const Grain& grain, const StepArrays& arrays, const Lanes& at) {
+/// Forces of neighbours, weight, tool and stones, N. Stores the neighbours' part if contact_force is not null.
+HWY_INLINE Triple<V> forceWithoutWalls(const Sums& sums, const ClassConstants& own, const StepArrays& arrays,
+                                       const Lanes& at) {
   if (arrays.contact_force != nullptr) {
     storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
   }
   const Records push = loadInOrder(arrays.external + at.particle());
-  return {sums.x + (set(grain.weight_x) + push.x), sums.y + (set(grain.weight_y) + push.y),
-          sums.z + (set(grain.weight_z) + push.z)};
+  return {sums.x + (set(own.weight_x) + push.x), sums.y + (set(own.weight_y) + push.y),
+          sums.z + (set(own.weight_z) + push.z)};
 }
 
 template <bool kPeriodic>
 void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
              std::size_t first, std::size_t last, Moved& moved) {
-  const PaperContacts contacts(law, box.periods, now.near_m);
+  const PaperContacts contacts(law, box.periods, now.inner_skin_m);
   const D d;
   const V zero = hn::Zero(d);
   const V one = set(1);
   const V per_mass = set(now.dt * now.inverse_mass);
   const V half_width = set(box.half_width);
   const V half_length = set(box.half_length);
-  const Grain grain(now);
+  const ClassConstants grain(now);
   V fastest_squared = zero;
-  forEachVector(arrays, now.look, first, last, [&](const Lanes& at) {
+  forEachVector(arrays, now.pruning_pass, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
-    auto [fx, fy, fz] = besidesWalls(sums, grain, arrays, at);
+    auto [fx, fy, fz] = forceWithoutWalls(sums, grain, arrays, at);
     contacts.addWall(x.z, one, fz, sums);
     if (box.walls_x) {
       contacts.addWall(half_width + x.x, one, fx, sums);
@@ -140,7 +142,7 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
     const V vz = hn::MulAdd(per_mass, fz, v.z) * kept;
 
     // Moving friction (paper 14, lower case) against the velocity; it stops the particle but never turns it round.
-    const V huge = set(1e30F);  // what is infinite shall not be braked to a stop, but found out
+    const V huge = set(1e30F);  // clamped, so that friction cannot hide an infinite velocity
     const V speed_squared = hn::Min(hn::MulAdd(vx, vx, hn::MulAdd(vy, vy, hn::MulAdd(vz, vz, set(1e-30F)))), huge);
     const V slowed_by = per_mass * set(now.moving_friction) * sums.repulsion;
     V left = hn::Max(hn::NegMulAdd(slowed_by, InverseSqrt(speed_squared), one), zero);
@@ -150,7 +152,8 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
     const auto at_rest = hn::And(hn::And(v.x == zero, v.y == zero), v.z == zero);
     const auto held = hn::MulAdd(fx, fx, hn::MulAdd(fy, fy, fz * fz)) <= limit * limit;
     left = hn::IfThenZeroElse(hn::And(at_rest, held), left);
-    moveOn(now, grain, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved, fastest_squared);
+    integrate(now, grain, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved,
+              fastest_squared);
   });
   moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
 }
@@ -158,7 +161,7 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
 template <bool kGraded, bool kPeriodic>
 void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                        std::size_t first, std::size_t last, Moved& moved) {
-  PairLaws<kGraded> laws(law, now.dt, now.friction_ratio, now.near_m);
+  PairLaws<kGraded> laws(law, now.dt, now.friction_ratio, now.inner_skin_m);
   const PeriodsOf periods(box.periods);
   const D d;
   const V zero = hn::Zero(d);
@@ -166,43 +169,56 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
   const V drag = set(now.drag);
   const V ratio = set(box.wall_ratio);
   V fastest_squared = zero;
-  forEachVector(arrays, now.look, first, last, [&](const Lanes& at) {
+  forEachVector(arrays, now.pruning_pass, first, last, [&](const Lanes& at) {
     const Records x = loadInOrder(arrays.position + at.particle());
     const Records v = loadInOrder(arrays.velocity + at.particle());
     const GroupLaws contacts = laws.of(arrays, at.group);
     const PairLaw& own = contacts.own();
-    const Grain grain(now, kGraded ? arrays.grain_class[at.group] : 0);
+    const ClassConstants grain(now, kGraded ? arrays.grain_class[at.group] : 0);
     const V per_mass = set(now.dt * grain.inverse_mass);
     const Sums sums = frictionalSums<kGraded, kPeriodic, false>(contacts, periods, arrays, at, x, v);
-    auto [fx, fy, fz] = besidesWalls(sums, grain, arrays, at);
+    auto [fx, fy, fz] = forceWithoutWalls(sums, grain, arrays, at);
     WallSlips& slips = arrays.wall_slip[at.group];
     std::uint8_t& near = arrays.near_walls[at.group];
     const auto of = [&](std::array<float, kGroup>& slip) { return slip.data() + at.in_group; };
-    const auto floor = own.wall(one, {x.z - x.w, v.z, v.x, v.y, of(slips.floor_x), of(slips.floor_y), 1}, near);
+    const auto floor = own.wall(one,
+                                {.distance = x.z - x.w,
+                                 .away = v.z,
+                                 .along_1 = v.x,
+                                 .along_2 = v.y,
+                                 .slip_1 = of(slips.floor_x),
+                                 .slip_2 = of(slips.floor_y),
+                                 .bit = kFloor},
+                                near);
     fx = fx + floor.along_1;
     fy = fy + floor.along_2;
     fz = fz + floor.away;
+    // The nearer of the two walls across an axis; `wall.away` is given as the velocity along the axis.
+    const auto sideWall = [&](float half_m, V position, PairLaw::WallContact wall) HWY_ATTR {
+      const V inwards = hn::IfThenElse(position < zero, one, zero - one);
+      wall.distance = set(half_m) + inwards * position - x.w;
+      wall.away = inwards * wall.away;
+      auto force = own.wall(ratio, wall, near);
+      force.away = inwards * force.away;
+      return force;
+    };
     if (box.walls_x) {
-      const V inwards = hn::IfThenElse(x.x < zero, one, zero - one);  // from the nearer of the two walls
-      const V distance = set(box.half_width) + inwards * x.x - x.w;
       const auto wall =
-          own.wall(ratio, {distance, inwards * v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z), 2}, near);
-      fx = hn::MulAdd(inwards, wall.away, fx);
+          sideWall(box.half_width, x.x, {zero, v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z), kWallX});
+      fx = fx + wall.away;
       fy = fy + wall.along_1;
       fz = fz + wall.along_2;
     }
     if (box.walls_y) {
-      const V inwards = hn::IfThenElse(x.y < zero, one, zero - one);
-      const V distance = set(box.half_length) + inwards * x.y - x.w;
       const auto wall =
-          own.wall(ratio, {distance, inwards * v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z), 4}, near);
+          sideWall(box.half_length, x.y, {zero, v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z), kWallY});
       fx = fx + wall.along_1;
-      fy = hn::MulAdd(inwards, wall.away, fy);
+      fy = fy + wall.away;
       fz = fz + wall.along_2;
     }
     const Records next{hn::MulAdd(per_mass, fx, v.x) * drag, hn::MulAdd(per_mass, fy, v.y) * drag,
                        hn::MulAdd(per_mass, fz, v.z) * drag, zero};
-    moveOn(now, grain, arrays, at, x, unlessDriven(v, next), moved, fastest_squared);
+    integrate(now, grain, arrays, at, x, unlessDriven(v, next), moved, fastest_squared);
   });
   moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
 }

@@ -11,12 +11,12 @@ namespace haptolith {
 /// Constants of one step, in the particles' precision.
 struct StepConstants {
   float dt;
-  float weight_x, weight_y, weight_z;  ///< of a particle of the coarsest class, N
-  float inverse_mass;                  ///< the same, 1/kg
-  float skin_half_squared;             ///< the same, m^2
-  float rest_squared;                  ///< (m/s)^2: what moves faster is not at rest
-  std::uint64_t look;                  ///< see NearRows
-  float near_m;  ///< how much further apart than a contact reaches those are that may come to touch
+  float weight_x, weight_y, weight_z;  ///< weight of a particle of class 0, N
+  float inverse_mass;                  ///< 1/m of a particle of class 0, 1/kg
+  float skin_half_squared;     ///< (skin / 2)^2 of class 0, m^2: a particle that has moved further is listed again
+  float rest_squared;          ///< (m/s)^2: what moves faster is not at rest
+  std::uint64_t pruning_pass;  ///< number of the present pruning pass, see InnerRows
+  float inner_skin_m;          ///< inner list: distances up to the cutoff plus this, m
   // Paper's friction:
   float damping, static_friction, moving_friction;
   // Contact friction:
@@ -32,11 +32,11 @@ struct StepBox {
   Periods periods;
 };
 
-/// The particles that have moved away from their place in the lists, and how fast particles are.
+/// Particles that have moved further than half the skin from their reference position, and the largest speed.
 struct Moved {
-  std::int32_t* particle;  ///< room for all
+  std::int32_t* particle;  ///< indices, with room for all
   std::size_t count = 0;
-  bool finite = true;         ///< false when a position is no longer a number
+  bool finite = true;         ///< false if a position is NaN or infinite
   float fastest_squared = 0;  ///< (m/s)^2, of all particles
 };
 
@@ -50,7 +50,7 @@ void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const
 void stepWithContactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box,
                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;
 
-/// What a particle feels of its neighbours.
+/// Contact forces of all neighbours on a particle.
 struct ContactSum {
   float force_x_n = 0, force_y_n = 0, force_z_n = 0;
   float repulsion_n = 0;  ///< sum of the magnitudes of repulsive contact forces, for friction (paper 14); with contact

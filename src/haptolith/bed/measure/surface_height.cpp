@@ -64,7 +64,7 @@ SeenSoil seenSoil(const Bed& bed, double radius_m, std::span<const Float4> grain
   seen.grains.assign(grains.begin(), grains.end());
   for (std::size_t stone = 0; stone < std::min(stones.size(), bed.stones().size()); ++stone) {
     for (const StoneSphere& sphere : bed.stones().shape(stone)->spheres) {
-      const Vec3 at_m = stones[stone].toScene(sphere.centre_m);
+      const Vec3 at_m = stones[stone].fromBody(sphere.centre_m);
       seen.stones.push_back({static_cast<float>(at_m.x()), static_cast<float>(at_m.y()), static_cast<float>(at_m.z()),
                              static_cast<float>(sphere.radius_m - seen.radius_m)});
     }

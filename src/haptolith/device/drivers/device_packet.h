@@ -37,8 +37,8 @@ struct DevicePacket {
   std::uint32_t sequence = 0;
   std::uint32_t buttons = 0;
   std::uint64_t sender_time = 0;
-  Pose pose;
-  Twist twist;
+  Pose pose;    ///< of the handle, device frame
+  Twist twist;  ///< of the handle, device frame
   double gripper_open = 0;
 };
 
@@ -68,7 +68,7 @@ struct AnswerPacket {
   std::uint32_t sequence = 0;
   std::uint32_t number = 0;
   std::uint64_t sender_time = 0;
-  DeviceOutput output;
+  DeviceOutput output;  ///< device frame
 };
 
 /// Why a packet is not taken.

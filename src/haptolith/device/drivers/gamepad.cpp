@@ -214,7 +214,7 @@ DeviceInput Gamepad::read() noexcept {
 }
 
 void Gamepad::write(const DeviceOutput& output) noexcept {
-  felt_n_.store(output.wrench.force_n.norm(), std::memory_order_relaxed);
+  force_n_.store(output.wrench.force_n.norm(), std::memory_order_relaxed);
   writes_.fetch_add(1, std::memory_order_relaxed);
 }
 
@@ -227,7 +227,7 @@ double Gamepad::rumbleShare(std::int64_t now_ns) noexcept {
     writes_seen_ = writes;
     last_write_ns_ = now_ns;
   }
-  const double share = felt_n_.load(std::memory_order_relaxed) / kFullRumble_n;
+  const double share = force_n_.load(std::memory_order_relaxed) / kFullRumble_n;
   const bool quiet =
       released_.load(std::memory_order_relaxed) || now_ns > last_write_ns_ + kLoopHangs_ns || !std::isfinite(share);
   return quiet ? 0 : std::min(1.0, share);

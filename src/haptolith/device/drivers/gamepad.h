@@ -59,7 +59,7 @@ class Gamepad final : public HapticDevice {
   class Pad;  // SDL's side
 
   struct Told {
-    Twist speed;
+    Twist speed;  ///< device frame
     double gripper_open = 1;
     std::uint32_t buttons = 0;
     bool connected = true;
@@ -72,7 +72,7 @@ class Gamepad final : public HapticDevice {
   std::string name_, problem_;
   LatestValue<Told> told_;
   std::atomic<bool> connected_{true}, released_{false};
-  std::atomic<double> felt_n_{0};
+  std::atomic<double> force_n_{0};
   std::atomic<std::uint64_t> writes_{0};
   std::uint64_t writes_seen_ = 0;  ///< by the pad's thread, and when
   std::int64_t last_write_ns_ = 0;

@@ -23,8 +23,9 @@ struct RateParameters {
 ///
 ///     v = v_max s^2 d / |d|,    s = (|d| - d_0) / (1 - d_0), between 0 and 1,        d_0: dead zone
 ///
-/// Along d, so that the response is the same in all directions; its slope is 0 where it begins, so that little pushes
-/// are fine ones. Rest for a deflection that is not finite. May be called in the tick.
+/// In the frame of the deflection, the device frame. Along d, so that the response is the same in all directions; its
+/// slope is 0 where it begins, so that little pushes are fine ones. Rest for a deflection that is not finite. May be
+/// called in the tick.
 [[nodiscard]] Twist rateOf(const Deflection& deflection, const RateParameters& parameters) noexcept;
 
 /// The handle of a device that has none: somebody moves it by speeds (drive()) or by distances (displace()), once a

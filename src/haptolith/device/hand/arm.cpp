@@ -2,7 +2,7 @@
 
 namespace haptolith {
 
-Wrench moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& felt, double strongest_n, double tick_s,
+Wrench moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& soil, double strongest_n, double tick_s,
                Movement& tool) noexcept {
   const double lever_squared = arm.lever_m * arm.lever_m;
   const Vec3 pull_n = arm.stiffness_n_m * (wanted.pose.position_m - tool.pose.position_m) +
@@ -11,8 +11,8 @@ Wrench moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& f
       lever_squared * arm.stiffness_n_m * rotationBetween(tool.pose.orientation, wanted.pose.orientation) +
       lever_squared * arm.damping_n_s_m * (wanted.twist.angular_rad_s - tool.twist.angular_rad_s);
   Wrench pull{atMost(strongest_n, pull_n), atMost(strongest_n * arm.lever_m, turn_nm)};
-  const Vec3 force = pull.force_n + felt.force_n;
-  const Vec3 torque = pull.torque_nm + felt.torque_nm;
+  const Vec3 force = pull.force_n + soil.force_n;
+  const Vec3 torque = pull.torque_nm + soil.torque_nm;
   tool.twist.linear_m_s += tick_s / arm.mass_kg * force;
   tool.twist.angular_rad_s += tick_s / (arm.mass_kg * lever_squared) * torque;
   tool.pose.position_m += tick_s * tool.twist.linear_m_s;

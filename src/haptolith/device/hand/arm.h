@@ -20,9 +20,10 @@ struct ArmParameters {
 ///
 /// and likewise for rotation with m l^2, K l^2, B l^2 (l = lever). Stable for K dt^2 / m + 2 B dt / m < 4; for rotation
 /// the lever cancels out. May be called in the tick.
+/// @param soil  wrench on the tool, about its origin, scene frame.
 /// @param strongest_n  the arm pulls no harder than this, and turns no harder than this times the lever.
-/// @return what the spring and damper pull the tool with, scene frame.
-Wrench moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& felt, double strongest_n, double tick_s,
+/// @return wrench of spring and damper on the tool, about its origin, scene frame.
+Wrench moveArm(const ArmParameters& arm, const Movement& wanted, const Wrench& soil, double strongest_n, double tick_s,
                Movement& tool) noexcept;
 
 /// The lightest arm of this stiffness and damping that a tick can follow, in kg: see moveArm().

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+
 namespace haptolith {
 
 namespace {

@@ -5,7 +5,7 @@
 
 namespace haptolith {
 
-/// Where a hand wants the tool at `time_s` since the start of the manoeuvre, scene frame. Manoeuvres begin and end at
+/// Pose scene_T_tool that a hand aims at, `time_s` after the start of the manoeuvre. Manoeuvres begin and end at
 /// `hand.home_m` and repeat every `hand.period_s`; movements between their key poses are minimum-jerk (Flash and Hogan
 /// 1985, J. Neurosci. 5:1688). After `hand.active_s` the manoeuvre under way is finished, then the hand waits at home.
 /// Not for kPoses. May be called in the tick.

@@ -18,7 +18,7 @@ class PoseFile {
   /// `largest_m` from the origin on any axis.
   static PoseFile read(const std::filesystem::path& path, double largest_m = 10);
 
-  /// Pose at `time_s` since the first one; the last pose afterwards. May be called in the tick.
+  /// Pose scene_T_tool at `time_s` after the first one; the last pose afterwards. May be called in the tick.
   [[nodiscard]] Pose at(double time_s) const noexcept;
   [[nodiscard]] double duration() const noexcept { return times_s_.back() - times_s_.front(); }
   [[nodiscard]] std::size_t size() const noexcept { return times_s_.size(); }

@@ -61,7 +61,7 @@ DeviceLimits VirtualHand::limits() const noexcept {
 
 DeviceInput VirtualHand::read() noexcept {
   if (released_.load(std::memory_order_relaxed)) {
-    felt_ = {};
+    output_ = {};
   }
   takeCommand();
   if (commands_.latest().held) {
@@ -121,14 +121,14 @@ void VirtualHand::followManoeuvre() noexcept {
   if (hand_.compliance == HandCompliance::kRigid) {
     tool_ = wanted_movement;
   } else {
-    moveArm(armOf(hand_), wanted_movement, felt_, kInfinity, tick_s_, tool_);
+    moveArm(armOf(hand_), wanted_movement, output_, kInfinity, tick_s_, tool_);
   }
 }
 
 void VirtualHand::followCommand(const Pose& held) noexcept {
   const Pose before = smooth_;
   smooth_ = interpolate(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
-  moveArm(kPull, movement(before, smooth_, tick_s_), felt_, hand_.max_force_n, tick_s_, tool_);
+  moveArm(kPull, movement(before, smooth_, tick_s_), output_, hand_.max_force_n, tick_s_, tool_);
 }
 
 void VirtualHand::moveGripper() noexcept {

@@ -30,7 +30,7 @@ class VirtualHand final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceInput read() noexcept override;
-  void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
+  void write(const DeviceOutput& output) noexcept override { output_ = output.wrench; }
   void releaseForce() noexcept override { released_.store(true, std::memory_order_relaxed); }
   void resumeForce() noexcept override { released_.store(false, std::memory_order_relaxed); }
 
@@ -51,7 +51,7 @@ class VirtualHand final : public HapticDevice {
   std::uint64_t ticks_ = 0;  ///< of the manoeuvre
   Movement tool_;
   double gripper_open_ = 1;
-  Wrench felt_;
+  Wrench output_;
   std::atomic<bool> released_{false};
 
   LatestValue<HandCommand> commands_;

@@ -93,7 +93,7 @@ LoopEnd HapticLoop::tick() noexcept {
   }
 
   // The hand feels it, as far as is safe.
-  DeviceOutput rendered = mapping_.toDevice(coupling_.feel(scene_->felt(), scene_->contactStiffness()));
+  DeviceOutput rendered = mapping_.toDevice(coupling_.feel(scene_->soilForce(), scene_->contactStiffness()));
   const Wrench weight = toolWeight();
   output_ = safety_.step(rendered, weight);
   if (!weight.isZero()) {
@@ -128,7 +128,7 @@ LoopEnd HapticLoop::finish(LoopEnd end, const DeviceInput& input, const DeviceOu
   tick.device = input;
   tick.scene_T_tool = scene_->toolPose();
   tick.rendered = rendered;
-  tick.felt = output_;
+  tick.sent = output_;
   tick.injected_j = safety_.passivity().injected();
   tick.quick_injected_j = safety_.passivity().quickInjected();
   tick.flags = safety_.flags() | std::exchange(flags_, 0U) | (failed ? kTickFailed : 0U);
@@ -230,7 +230,7 @@ LoopEnd HapticLoop::moveTool() noexcept {
     scene_->placeTool(hand_);
   }
   const StepStatus status = scene_->tick(coupling_.moveTool(hand_));
-  const Wrench& soil = scene_->felt().wrench;
+  const Wrench& soil = scene_->soilWrench();
   const bool finite = soil.force_n.allFinite() && soil.torque_nm.allFinite();
   return status == StepStatus::kOk && !finite ? LoopEnd::kNotFinite : failure(status);
 }
@@ -278,12 +278,15 @@ LoopEnd HapticLoop::endFor(SafetyTrip trip) const noexcept {
   return device_.simulated() && away ? LoopEnd::kHandLeft : LoopEnd::kRunning;
 }
 
+/// One replacement, adjustment or moved particle at a time: the requests behind it wait for the next tick.
+bool HapticLoop::mayBeDoneNow(const LoopRequest& asked) const noexcept {
+  return !(fade_.waits() && std::holds_alternative<request::Replace>(asked)) &&
+         !((flags_ & kTickSoilAdjusted) != 0 && std::holds_alternative<request::Adjust>(asked)) &&
+         !((flags_ & kTickParticleMoved) != 0 && std::holds_alternative<request::MoveGrain>(asked));
+}
+
 void HapticLoop::takeRequests() noexcept {
-  // One exchange at a time: what stands behind another waits with it.
-  while (requests_.read_available() > 0 &&
-         !(fade_.waits() && std::holds_alternative<request::Exchange>(requests_.front())) &&
-         !((flags_ & kTickSoilAdjusted) != 0 && std::holds_alternative<request::Adjust>(requests_.front())) &&
-         !((flags_ & kTickGrainMoved) != 0 && std::holds_alternative<request::MoveGrain>(requests_.front()))) {
+  while (requests_.read_available() > 0 && mayBeDoneNow(requests_.front())) {
     carryOut(requests_.front());
     requests_.pop();
   }
@@ -308,33 +311,33 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                    scene_->setToolFriction(adjust.tool_friction);
                  },
                  [this](const request::MoveGrain& grain) {
-                   flags_ |= kTickGrainMoved;
+                   flags_ |= kTickParticleMoved;
                    (void)scene_->moveGrain(grain.move);
                  },
                  [this](const request::SetContact& touch) {
                    flags_ |= kTickSceneChanged;
                    fade_.touch(touch.on);
                  },
-                 [this](const request::Exchange& exchange) {
+                 [this](const request::Replace& replace) {
                    if (clock_.paused()) {  // nobody feels anything
-                     carryOut(exchange);
+                     carryOut(replace);
                    } else {
-                     fade_.exchange(exchange);
+                     fade_.replaceWhenFaded(replace);
                      flags_ |= kTickSceneChanged;  // the tool begins to fade
                    }
                  }},
       asked);
 }
 
-void HapticLoop::carryOut(const request::Exchange& exchange) noexcept {
-  std::visit(Overloaded{[this](const request::ExchangeTool& tool) { scene_->setTool(tool.tool); },
-                        [this](const request::ExchangeBed& next) {
+void HapticLoop::carryOut(const request::Replace& replace) noexcept {
+  std::visit(Overloaded{[this](const request::ReplaceTool& tool) { scene_->setTool(tool.tool); },
+                        [this](const request::ReplaceBed& next) {
                           next.shown->scene.placeTool({{scene_->toolPose(), {}}, hand_.opening});
                           scene_ = &next.shown->scene;
                           scene_->bed().scheduleHelpers(helpers_);
                           shown_.store(next.shown, std::memory_order_release);
                         }},
-             exchange);
+             replace);
   flags_ |= kTickSceneChanged;
   output_ = {};
   fade_.begin();
@@ -353,7 +356,7 @@ void HapticLoop::publishEnd(LoopEnd end) noexcept {
 
 void HapticLoop::tell(SceneSnapshot& snapshot) const noexcept {
   snapshot.scene_T_tool = scene_->toolPose();
-  snapshot.soil_wrench = scene_->felt().wrench;
+  snapshot.soil_wrench = scene_->soilWrench();
   snapshot.device_wrench = output_.wrench;
   snapshot.device_wrench_in_scene = mapping_.turnedIntoScene(output_.wrench);
   snapshot.trip = safety_.trip();

@@ -75,9 +75,10 @@ class HapticLoop {
 
  private:
   [[nodiscard]] LoopEnd runTicks(const std::atomic<bool>& stop) noexcept;
+  [[nodiscard]] bool mayBeDoneNow(const LoopRequest& asked) const noexcept;
   void takeRequests() noexcept;
   void carryOut(const LoopRequest& asked) noexcept;
-  void carryOut(const request::Exchange& exchange) noexcept;
+  void carryOut(const request::Replace& replace) noexcept;
   [[nodiscard]] bool wasSilent() noexcept;
   [[nodiscard]] LoopHealth health(bool silent) noexcept;
   void standStill() noexcept;

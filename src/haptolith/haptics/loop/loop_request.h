@@ -45,18 +45,18 @@ struct SetContact {  ///< whether the tool touches the soil: it fades into it, o
 
 // The tool fades out of the soil before these, and into it again afterwards: no hand feels a jump, and soil that finds
 // itself inside the tool is moved out of its way instead of shot.
-struct ExchangeTool {  ///< must be as stiff as the one before: see Scene::setTool()
+struct ReplaceTool {  ///< must be as stiff as the one before: see Scene::setTool()
   ToolParameters tool;
 };
-struct ExchangeBed {
+struct ReplaceBed {
   ShownScene* shown = nullptr;
 };
-using Exchange = std::variant<ExchangeTool, ExchangeBed>;
+using Replace = std::variant<ReplaceTool, ReplaceBed>;
 
 }  // namespace request
 
 using LoopRequest =
     std::variant<request::Pause, request::Resume, request::Advance, request::Speed, request::Gravity, request::Soil,
-                 request::Adjust, request::MoveGrain, request::SetContact, request::Exchange>;
+                 request::Adjust, request::MoveGrain, request::SetContact, request::Replace>;
 
 }  // namespace haptolith

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+
 namespace haptolith {
 
 namespace {
@@ -29,13 +30,13 @@ std::size_t LoopTelemetry::hashedParts(const Bed& bed) noexcept {
 
 void LoopTelemetry::record(const LoopClock& clock, const Scene& scene) noexcept {
   TickRecord& now = draft();
-  statistics_.add(clock.tickUs(), clock.miss(), now.felt.wrench);
+  statistics_.add(clock.tickUs(), clock.miss(), now.sent.wrench);
   longest_tick_us_ = std::max(longest_tick_us_, clock.tickUs());
   now.time_s = time();
   now.tick_us = clock.tickUs();
   now.late_us = clock.lateUs();
   now.flags |= clock.late() ? kTickLate : 0U;
-  now.soil = scene.felt().wrench;
+  now.soil = scene.soilWrench();
   if (!keep_records_) {
     return;
   }

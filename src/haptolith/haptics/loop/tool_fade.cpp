@@ -6,9 +6,9 @@ namespace haptolith {
 
 namespace {
 
-/// How long the tool takes to leave the soil before an exchange, by the clock, and to come back, in simulated time. A
-/// choice: the force of a press goes within what a finger takes for "at once", and returns slower than a hand reacts,
-/// so that a hand that was let go is not struck.
+/// How long the tool takes to leave the soil before tool or bed are replaced, by the clock, and to come back, in
+/// simulated time. A choice: the force of a press goes within what a finger takes for "at once", and returns slower
+/// than a hand reacts, so that a hand that was let go is not struck.
 constexpr double kOut_s = 0.1;
 constexpr double kIn_s = 0.3;
 
@@ -19,7 +19,7 @@ void ToolFade::begin() noexcept {
   placed_ = false;
 }
 
-std::optional<request::Exchange> ToolFade::step(bool hand_feels, double speed) noexcept {
+std::optional<request::Replace> ToolFade::step(bool hand_feels, double speed) noexcept {
   if (waiting_) {
     ramp_.fall(tick_s_, kOut_s * speed);
     return ramp_.share() == 0 ? std::exchange(waiting_, std::nullopt) : std::nullopt;

@@ -20,11 +20,11 @@ class ToolFade {
   /// Whether the tool is to be felt at all.
   void touch(bool on) noexcept { touches_ = on; }
   /// Is given back by step() when the tool has faded. One at a time: not while waits().
-  void exchange(const request::Exchange& next) noexcept { waiting_ = next; }
+  void replaceWhenFaded(const request::Replace& next) noexcept { waiting_ = next; }
   [[nodiscard]] bool waits() const noexcept { return waiting_.has_value(); }
 
-  /// One tick. @param speed  of time. @return what is to be exchanged now, once.
-  std::optional<request::Exchange> step(bool hand_feels, double speed) noexcept;
+  /// One tick. @param speed  of time. @return what is to be replaced now, once.
+  std::optional<request::Replace> step(bool hand_feels, double speed) noexcept;
 
   /// How much of the tool there is, for Scene::setToolFade().
   [[nodiscard]] double stiffnessShare() const noexcept { return ramp_.share() * ramp_.share(); }
@@ -37,7 +37,7 @@ class ToolFade {
   Ramp ramp_;
   bool touches_ = true;
   bool placed_ = false;
-  std::optional<request::Exchange> waiting_;
+  std::optional<request::Replace> waiting_;
 };
 
 }  // namespace haptolith

@@ -69,7 +69,7 @@ class Passivity {
   /// Accounts for the time since the last call, during which `sent` was sent.
   void observe(const Pose& device, const Wrench& sent) noexcept;
 
-  /// What to add to the wrench: zero while nothing is in excess.
+  /// Wrench of the damper, to be added to the one for the device, device frame: zero while no energy is in excess.
   [[nodiscard]] Wrench damping() const noexcept;
 
   /// The share of the wrench that is left to a hand that has been shaken, 0 to 1.

@@ -50,7 +50,7 @@ class SafetyLayer {
   /// The hand feels nothing from now on, until check() has found all well for a while.
   void releaseForce(SafetyTrip why) noexcept;
 
-  /// What the hand is made to feel instead of `rendered` and `weight` together.
+  /// Device wrench to send instead of `rendered` plus `weight`, device frame, about the handle's origin.
   /// @param weight  of the tool, in the device's frame. Gravity gives back what lifting costs: what the device can show
   /// of it is no matter of Passivity.
   DeviceOutput step(const DeviceOutput& rendered, const Wrench& weight = {}) noexcept;
@@ -94,8 +94,8 @@ class SafetyLayer {
   std::uint32_t trips_ = 0, flags_ = 0;
   int misses_ = 0, well_for_ = 0;
   Ramp soft_start_;                 ///< share of the force
-  DeviceOutput held_;               ///< what the hand feels now
-  Wrench held_weight_, held_soil_;  ///< of that the tool's weight, and the rest
+  DeviceOutput held_;               ///< device wrench now, device frame
+  Wrench held_weight_, held_soil_;  ///< parts of it: the tool's weight, and the rest; device frame
 };
 
 }  // namespace haptolith

@@ -74,7 +74,7 @@ WindowForces digAlong(const ToolMovement& movement, const ToolParameters& tool, 
       if (scene.tick(hand) != StepStatus::kOk) {
         throw Failure("the bed is no longer sound");
       }
-      sum_n += scene.felt().wrench.force_n;
+      sum_n += scene.soilWrench().force_n;
     }
     forces.emplace_back(sum_n / per_window);
   }

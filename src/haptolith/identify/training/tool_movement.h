@@ -16,7 +16,7 @@ class ToolMovement {
   /// @param poses  two or more, later and later, the first at 0 s. @throws InvalidParameter otherwise.
   explicit ToolMovement(std::vector<TimedPose> poses);
 
-  /// At `time_s`; the first pose before it, the last afterwards.
+  /// Pose at `time_s`, in the frame of the poses given; the first before it, the last afterwards.
   [[nodiscard]] Pose at(double time_s) const noexcept;
   [[nodiscard]] double duration() const noexcept { return poses_.back().time_s; }
   [[nodiscard]] const std::vector<TimedPose>& poses() const noexcept { return poses_; }

@@ -22,11 +22,11 @@ class PairSprings {
   PairSprings(const SoilParameters& coarsest, int class_a, int class_b)
       : soil_(soilBetween(coarsest, class_a, class_b)),
         law_(makeContactLaw(soil_)),
-        nearer_m_(2 * (coarsest.radius_m - soil_.radius_m)),
+        diameter_deficit_m_(2 * (coarsest.radius_m - soil_.radius_m)),
         per_root_(soil_.damping_ratio * std::sqrt(2 * massBetween(coarsest, class_a, class_b))) {}
 
-  /// By how much nearer than two of class 0 they are when they touch.
-  [[nodiscard]] double nearer() const noexcept { return nearer_m_; }
+  /// 2 (R_0 - R_pair): contact begins this much closer than for two of class 0, m.
+  [[nodiscard]] double diameterDeficit() const noexcept { return diameter_deficit_m_; }
 
   [[nodiscard]] double reach() const noexcept { return law_.cutoff_m; }
 
@@ -49,7 +49,7 @@ class PairSprings {
  private:
   SoilParameters soil_;
   ContactLaw law_;
-  double nearer_m_;
+  double diameter_deficit_m_;
   double per_root_;  ///< c / sqrt(k)
 };
 
@@ -61,7 +61,7 @@ void addWalls(ContactNetwork& network, const Bed& bed, const PairSprings& spring
   const BedParameters& box = bed.parameters();
   const Float4& p = bed.state().position[i];
   const auto add = [&](double distance_m, const Vec3& normal, double ratio) {
-    const double a_m = 2 * (distance_m - p.w) - springs.nearer();
+    const double a_m = 2 * (distance_m - p.w) - springs.diameterDeficit();
     if (a_m < springs.reach()) {
       ContactLink link{.first = static_cast<std::int32_t>(i), .normal = normal};
       springs.set(link, a_m, ratio, 2);
@@ -178,7 +178,7 @@ ContactNetwork contactNetwork(const Bed& bed) {
       apart.x() = around(apart.x(), box.width_m, box.periodic_x);
       apart.y() = around(apart.y(), box.length_m, box.periodic_y);
       const PairSprings& springs = between(i, j);
-      const double a_m = apart.norm() - state.position[i].w - state.position[j].w - springs.nearer();
+      const double a_m = apart.norm() - state.position[i].w - state.position[j].w - springs.diameterDeficit();
       if (a_m < springs.reach()) {
         const std::size_t first = bed.isDriven(i) ? j : i;
         const std::size_t second = bed.isDriven(i) ? i : j;

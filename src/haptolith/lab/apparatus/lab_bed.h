@@ -95,9 +95,10 @@ class LabBed {
   [[nodiscard]] Vec3 centreOfBody(std::size_t body) const noexcept;
 
   void placeTool(const Pose& scene_T_tool) noexcept { tool_pose_ = scene_T_tool; }
+  /// @param twist  of the tool's origin, scene frame.
   void moveTool(const Twist& twist) noexcept { tool_twist_ = twist; }
-  [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }
-  /// Of the soil on the tool in the last step, about the tool's origin.
+  [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }  ///< scene_T_tool
+  /// Soil wrench of the last step, about the tool's origin, scene frame.
   [[nodiscard]] const Wrench& toolWrench() const noexcept { return wrench_; }
 
   /// One step of the tool and the bed. @throws Failure when the bed is no longer sound.

@@ -176,7 +176,7 @@ Wrench resistiveForce(const ToolParameters& tool, double opening_m, const Pose& 
   std::vector<Triangle> pieces;
   for (const auto& [a, b, c] : surface.triangles) {
     const auto corner = [&](std::int32_t point) {
-      return scene_T_tool.toScene(surface.points_tool_m[static_cast<std::size_t>(point)]);
+      return scene_T_tool.fromBody(surface.points_tool_m[static_cast<std::size_t>(point)]);
     };
     const Triangle whole{corner(a), corner(b), corner(c)};
     const Vec3 normal = (whole[1] - whole[0]).cross(whole[2] - whole[0]).normalized();

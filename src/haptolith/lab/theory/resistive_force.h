@@ -71,6 +71,7 @@ struct ResistiveAngles {
 /// A surface that slides along itself, n . v = 0, counts to the theory; of a round one that turns on the spot it is cut
 /// into flat pieces, half of which look backwards and do not count here.
 /// @param opening_m  of jaws, as in toolSurface().
+/// @return wrench on the tool about its origin, scene frame, as `twist` is.
 /// @throws InvalidParameter as validate(ToolParameters) and resistiveScale(). Not for the tick.
 [[nodiscard]] Wrench resistiveForce(const ToolParameters& tool, double opening_m, const Pose& scene_T_tool,
                                     const Twist& twist, const ResistiveSoil& soil);

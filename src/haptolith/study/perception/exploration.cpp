@@ -238,7 +238,7 @@ void requireReach(const Scenario& scenario, Manoeuvre manoeuvre) {
       const auto along = [&](int axis) {
         return ((corner >> axis) & 1) == 0 ? corners.low_m[axis] : corners.high_m[axis];
       };
-      lowest_m = std::min(lowest_m, scene_T_tool.toScene(Vec3(along(0), along(1), along(2))).z());
+      lowest_m = std::min(lowest_m, scene_T_tool.fromBody(Vec3(along(0), along(1), along(2))).z());
     }
   }
   const double radius_m = scenario.bed.soil.radius_m;
@@ -282,9 +282,9 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
     loop.takeRecords(records);
     felt.add(records.back());
     lowest_m = std::min(lowest_m, scene.toolPose().position_m.z());
-    felt_height.add(scene.toolPose().position_m.z(), records.back().felt.wrench.force_n.norm());
+    felt_height.add(scene.toolPose().position_m.z(), records.back().sent.wrench.force_n.norm());
     if (carries(scene.toolPose(), unpaced.hand)) {
-      carried_n.add(-records.back().felt.wrench.force_n.z());
+      carried_n.add(-records.back().sent.wrench.force_n.z());
       if (tick % kTicksPerLook == 0) {
         carried_kg.add(massAbove(scene));
       }

@@ -6,12 +6,12 @@
 namespace haptolith {
 
 void FeltSummary::add(const TickRecord& tick) noexcept {
-  const double force_n = tick.felt.wrench.force_n.norm();
+  const double force_n = tick.sent.wrench.force_n.norm();
   ++ticks_;
   sum_n_ += force_n;
   sum_of_squares_n2_ += force_n * force_n;
   peak_force_n_ = std::max(peak_force_n_, force_n);
-  peak_torque_nm_ = std::max(peak_torque_nm_, tick.felt.wrench.torque_nm.norm());
+  peak_torque_nm_ = std::max(peak_torque_nm_, tick.sent.wrench.torque_nm.norm());
   misses_ += (tick.flags & kTickLate) != 0 ? 1 : 0;
   if (!last_) {
     first_s_ = tick.time_s;

@@ -102,13 +102,13 @@ class BilateralRobot {
     wanted_.twist = end_.brake(twist, smooth_);
     wanted_.pose.position_m += tick_s_ * wanted_.twist.linear_m_s;
     wanted_.pose.orientation = turnedBy(tick_s_ * wanted_.twist.angular_rad_s, wanted_.pose.orientation);
-    (void)moveArm(parameters_.arm, wanted_, site_.scene.felt().wrench, parameters_.max_force_n, tick_s_, tool_);
+    (void)moveArm(parameters_.arm, wanted_, site_.scene.soilWrench(), parameters_.max_force_n, tick_s_, tool_);
     HandState hand{tool_, 1};
     hand.pose.position_m.z() += site_.surface_m;
     if (site_.scene.tick(hand) != StepStatus::kOk) {
       throw Failure("the robot's bed no longer makes sense");
     }
-    met_ = sensor_.read(site_.scene.felt().wrench, tool_);
+    met_ = sensor_.read(site_.scene.soilWrench(), tool_);
     smooth_ = filter_.step(met_);
   }
 
@@ -202,19 +202,19 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
     }
     robot.tick();
     if (std::optional<SitePacket> seen = camera.tick(static_cast<std::uint64_t>(robot.index()))) {
-      seen->robot_session = 1;
+      seen->robot_connection = 1;
       down.send(now_s, bytesOf(*seen));
     }
     followed.tick(robot.follows());
     met_sum += robot.met().force_n;
     if (robot.follows()) {
       const double index = std::max(0.0, robot.index() - 1);
-      enter((robot.tool().pose.position_m - log.toolAt(index)).norm(), site.scene.felt().wrench, result);
+      enter((robot.tool().pose.position_m - log.toolAt(index)).norm(), site.scene.soilWrench(), result);
       if (tick % course.period() == 0) {
         const auto from = static_cast<std::uint64_t>(reported);
         const auto to = static_cast<std::uint64_t>(index);
-        if (const auto felt_n = log.felt().mean(from, to)) {
-          result.agreement.add(course.time(to), course.time(to - from), *felt_n,
+        if (const auto displayed_n = log.displayed().mean(from, to)) {
+          result.agreement.add(course.time(to), course.time(to - from), *displayed_n,
                                met_sum / static_cast<double>(course.period()));
         }
         reported = index;

@@ -20,7 +20,7 @@ namespace haptolith::simulation {
 
 namespace {
 
-constexpr std::uint32_t kSession = 1;
+constexpr std::uint32_t kConnection = 1;
 constexpr double kSurfaceLate_s = 1;  ///< beyond the round trip, until a change of the site is known
 
 /// What updates of a model's soil do to the force that no hand has caused: for a tenth of a second after an update
@@ -44,11 +44,11 @@ class UpdateWatch {
       return;
     }
     (void)other_->tick(hand);
-    pushed_j_ += pushed(scene.felt().wrench, hand.twist) - pushed(other_->felt().wrench, hand.twist);
+    pushed_j_ += pushed(scene.soilWrench(), hand.twist) - pushed(other_->soilWrench(), hand.twist);
     most_pushed_j_ = std::max(most_pushed_j_, pushed_j_);
     if (++ticks_ > kWatched - kCompared) {
-      apart_n_ += (scene.felt().wrench.force_n - other_->felt().wrench.force_n) / kCompared;
-      unchanged_n_ += other_->felt().wrench.force_n / kCompared;
+      apart_n_ += (scene.soilWrench().force_n - other_->soilWrench().force_n) / kCompared;
+      unchanged_n_ += other_->soilWrench().force_n / kCompared;
     }
     if (ticks_ == kWatched) {
       changes_.push_back(apart_n_.norm() / std::max(0.1, 0.07 * unchanged_n_.norm()));
@@ -65,8 +65,9 @@ class UpdateWatch {
   [[nodiscard]] double pushed() const noexcept { return most_pushed_j_; }
 
  private:
-  [[nodiscard]] double pushed(const Wrench& felt, const Twist& twist) const noexcept {
-    return tick_s_ * std::max(0.0, felt.force_n.dot(twist.linear_m_s) + felt.torque_nm.dot(twist.angular_rad_s));
+  [[nodiscard]] double pushed(const Wrench& displayed, const Twist& twist) const noexcept {
+    return tick_s_ *
+           std::max(0.0, displayed.force_n.dot(twist.linear_m_s) + displayed.torque_nm.dot(twist.angular_rad_s));
   }
 
   std::optional<Scene> other_;
@@ -101,7 +102,7 @@ class ModelOperator {
     tool_ = {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open};
     tool_.pose.position_m.z() -= site_.surface_m;
     hand_.came(tool_.pose);
-    felt_ = tick.felt.wrench;
+    displayed_ = tick.sent.wrench;
     unlimited_ = tick.rendered.wrench;
     watch_.tick(site_.scene, {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open});
   }
@@ -128,7 +129,7 @@ class ModelOperator {
   [[nodiscard]] bool inAir() const noexcept { return unlimited_.force_n.norm() < kInSoil_n; }
   [[nodiscard]] const UpdateWatch& watch() const noexcept { return watch_; }
   [[nodiscard]] const HandState& tool() const noexcept { return tool_; }
-  [[nodiscard]] const Wrench& felt() const noexcept { return felt_; }
+  [[nodiscard]] const Wrench& displayed() const noexcept { return displayed_; }
   [[nodiscard]] const Wrench& unlimited() const noexcept { return unlimited_; }
 
  private:
@@ -142,7 +143,7 @@ class ModelOperator {
   HapticLoop loop_;
   std::vector<TickRecord> records_;
   HandState tool_;
-  Wrench felt_, unlimited_;
+  Wrench displayed_, unlimited_;
   UpdateWatch watch_;
 };
 
@@ -172,10 +173,10 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
   Link up(setup.up);
   Link down(setup.down);
   OperatorLog log;
-  KeyHistory<CommandKey> commands(commandLags(setup.sending.period_s, setup.sending.command_keys));
-  KeyHistory<RobotReport> reports(reportLags(setup.sending.report_keys));
-  CommandPacket command{.session = kSession};
-  StatePacket state{.robot_session = kSession};
+  KeyframeHistory<Keyframe> commands(commandLags(setup.sending.period_s, setup.sending.command_keyframes));
+  KeyframeHistory<RobotReport> reports(reportLags(setup.sending.report_keys));
+  CommandPacket command{.connection = kConnection};
+  StatePacket state{.robot_connection = kConnection};
   std::uint64_t newest_report = 0;
   MetLast met;
   std::set<std::uint64_t> known;  // reports by their index: others may overtake them, and all come more than once
@@ -216,9 +217,9 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
     }
     hand.tick();
     result.mended += move && hand.hasMoved(*move) ? 1 : 0;
-    log.add(tick, hand.tool(), hand.felt(), hand.unlimited());
+    log.add(tick, hand.tool(), hand.displayed(), hand.unlimited());
     if (tick % course.period() == 0) {
-      command.keys = commands.add({tick, hand.tool()});
+      command.keyframes = commands.add({tick, hand.tool()});
       command.held = hand.hand().holds();
       ++command.number;
       up.send(now_s, bytesOf(command));
@@ -226,8 +227,8 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
 
     while (const std::optional<Link::Arrival> arrived = up.receive(now_s)) {
       if (const std::optional<CommandPacket> packet = parseCommand(arrived->packet)) {
-        robot.take(packet->session, packet->held, packet->keys);
-        state.operator_session = packet->session;
+        robot.take(packet->connection, packet->held, packet->keyframes);
+        state.operator_connection = packet->connection;
         state.newest = robot.newest();
       }
     }
@@ -235,7 +236,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
       robot.tick();
       followed.tick(robot.state() == RobotState::kFollowing);
       if (robot.state() == RobotState::kFollowing) {
-        enter((robot.tool().pose.position_m - log.toolAt(robot.index())).norm(), site.scene.felt().wrench, result);
+        enter((robot.tool().pose.position_m - log.toolAt(robot.index())).norm(), site.scene.soilWrench(), result);
       }
       if (robot_tick++ % course.period() == 0) {
         // Reports of one command would stand one upon the other: a robot that waits has nothing new to tell.
@@ -254,7 +255,7 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
         next_compared += kLookEvery;
       }
       if (std::optional<SitePacket> seen = camera.tick(static_cast<std::uint64_t>(robot.index()))) {
-        seen->robot_session = kSession;
+        seen->robot_connection = kConnection;
         down.send(now_s, bytesOf(*seen));
       }
     }
@@ -271,10 +272,10 @@ TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progr
         }
         newest_report = std::max(newest_report, report.index);
         met = report.index >= met.index ? MetLast{report.met.force_n.norm(), report.index} : met;
-        if (const auto felt_n = log.felt().mean(report.index - report.ticks, report.index)) {
-          result.agreement.add(course.time(report.index), course.time(report.ticks), *felt_n, report.met.force_n);
+        if (const auto displayed_n = log.displayed().mean(report.index - report.ticks, report.index)) {
+          result.agreement.add(course.time(report.index), course.time(report.ticks), *displayed_n, report.met.force_n);
           if (learning) {
-            learning->met(report, *felt_n);
+            learning->met(report, *displayed_n);
           }
         }
       }

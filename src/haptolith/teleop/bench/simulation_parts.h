@@ -60,23 +60,23 @@ class EnergyGiven {
 class OperatorLog {
  public:
   /// @param unlimited  what the hand would feel of a device without limits.
-  void add(std::uint64_t index, const HandState& tool, const Wrench& felt, const Wrench& unlimited) {
-    tools_[index % FeltTrack::kTicks] = tool.pose.position_m;
-    felt_.add(index, unlimited.force_n);
-    energy_.tick(tool.pose, felt);
+  void add(std::uint64_t index, const HandState& tool, const Wrench& displayed, const Wrench& unlimited) {
+    tools_[index % DisplayedForceTrack::kTicks] = tool.pose.position_m;
+    displayed_.add(index, unlimited.force_n);
+    energy_.tick(tool.pose, displayed);
   }
   [[nodiscard]] Vec3 toolAt(double index) const {
     const auto before = static_cast<std::uint64_t>(std::floor(index));
     const double share = index - std::floor(index);
-    const Vec3& from = tools_[before % FeltTrack::kTicks];
-    return share == 0 ? from : Vec3(from + share * (tools_[(before + 1) % FeltTrack::kTicks] - from));
+    const Vec3& from = tools_[before % DisplayedForceTrack::kTicks];
+    return share == 0 ? from : Vec3(from + share * (tools_[(before + 1) % DisplayedForceTrack::kTicks] - from));
   }
-  [[nodiscard]] const FeltTrack& felt() const noexcept { return felt_; }
+  [[nodiscard]] const DisplayedForceTrack& displayed() const noexcept { return displayed_; }
   [[nodiscard]] double mostGiven() const noexcept { return energy_.most(); }
 
  private:
-  std::vector<Vec3> tools_ = std::vector<Vec3>(FeltTrack::kTicks, Vec3::Zero());
-  FeltTrack felt_;
+  std::vector<Vec3> tools_ = std::vector<Vec3>(DisplayedForceTrack::kTicks, Vec3::Zero());
+  DisplayedForceTrack displayed_;
   EnergyGiven energy_;
 };
 

@@ -21,18 +21,18 @@ Course hermite(const Vec3& v0, const Vec3& to, const Vec3& v1, double time_s, do
 
 }  // namespace
 
-void CommandTrack::add(const CommandKey& key) {
+void CommandTrack::add(const Keyframe& key) {
   if (!keys_.empty() && key.index > keys_.back().index) {  // as nearly all are
     keys_.push_back(key);
   } else {
-    const auto place = std::ranges::lower_bound(keys_, key.index, {}, &CommandKey::index);
+    const auto place = std::ranges::lower_bound(keys_, key.index, {}, &Keyframe::index);
     const bool is_there = place != keys_.end() && place->index == key.index;
     const bool forgotten = place == keys_.begin() && !keys_.empty();
     if (!is_there && !forgotten) {
       keys_.insert(place, key);
     }
   }
-  if (keys_.size() > kMostKeys) {
+  if (keys_.size() > kMostKeyframes) {
     keys_.pop_front();
   }
 }
@@ -45,7 +45,7 @@ void CommandTrack::forgetBefore(double index) {
 
 std::size_t CommandTrack::after(double index) const noexcept {
   const auto place =
-      std::ranges::upper_bound(keys_, index, {}, [](const CommandKey& key) { return static_cast<double>(key.index); });
+      std::ranges::upper_bound(keys_, index, {}, [](const Keyframe& key) { return static_cast<double>(key.index); });
   return static_cast<std::size_t>(std::distance(keys_.begin(), place));
 }
 
@@ -61,8 +61,8 @@ HandState CommandTrack::at(double index) const noexcept {
     still.twist = {};
     return still;
   }
-  const CommandKey& from = keys_[next - 1];
-  const CommandKey& to = keys_[next];
+  const Keyframe& from = keys_[next - 1];
+  const Keyframe& to = keys_[next];
   const double ticks = static_cast<double>(to.index - from.index);
   const double s = (index - static_cast<double>(from.index)) / ticks;
   const double time_s = ticks * tick_s_;

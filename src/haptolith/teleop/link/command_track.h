@@ -9,27 +9,28 @@
 namespace haptolith {
 
 /// Where the operator had the tool at one tick.
-struct CommandKey {
+struct Keyframe {
   std::uint64_t index = 0;  ///< the operator's tick: what both sides count by, whatever their clocks say
   HandState hand;           ///< site frame: its origin in the middle of the soil's first surface, z up
 };
 
-/// An operator's movement as far as it has arrived: keys, and between them a course that has their velocities, too.
+/// An operator's movement as far as it has arrived: keyframes, and between them a course that has their velocities,
+/// too.
 ///
-///     x(s) = h00 x0 + h10 T v0 + h01 x1 + h11 T v1        Hermite's cubic, T: time between two keys
+///     x(s) = h00 x0 + h10 T v0 + h01 x1 + h11 T v1        Hermite's cubic, T: time between two keyframes
 ///
 /// It is wrong by T^4 / 384 times the fourth derivative at most: a hand that goes to and fro by 35 mm in 2 s comes out
-/// within 1.5 nm from keys 20 ms apart, and within 0.23 mm when all packets of 0.4 s were lost. Turns likewise, as a
-/// rotation vector from the key before. Not for the tick.
+/// within 1.5 nm from keyframes 20 ms apart, and within 0.23 mm when all packets of 0.4 s were lost. Turns likewise, as
+/// a rotation vector from the key before. Not for the tick.
 class CommandTrack {
  public:
-  static constexpr std::size_t kMostKeys = 65536;  ///< the oldest go
+  static constexpr std::size_t kMostKeyframes = 65536;  ///< the oldest go
 
   explicit CommandTrack(double tick_s) : tick_s_(tick_s) {}
 
   /// Enters a key in its place; one that is there already is passed over, and what is as old as what has been
   /// forgotten.
-  void add(const CommandKey& key);
+  void add(const Keyframe& key);
   /// Keys that nobody asks for any more: all but the last at or before `index`.
   void forgetBefore(double index);
   void clear() noexcept { keys_.clear(); }
@@ -41,9 +42,9 @@ class CommandTrack {
   /// is empty.
   [[nodiscard]] HandState at(double index) const noexcept;
 
-  /// Two keys next to each other.
+  /// Two keyframes next to each other.
   struct Stretch {
-    CommandKey from, to;
+    Keyframe from, to;
   };
   /// Those around `index`, which is before the newest and not before the oldest.
   [[nodiscard]] Stretch around(double index) const noexcept;
@@ -52,7 +53,7 @@ class CommandTrack {
   [[nodiscard]] std::size_t after(double index) const noexcept;  ///< the first key later than that
 
   double tick_s_;
-  std::deque<CommandKey> keys_;
+  std::deque<Keyframe> keys_;
 };
 
 }  // namespace haptolith

@@ -8,13 +8,13 @@
 
 namespace haptolith {
 
-std::uint32_t newSession() {
+std::uint32_t newConnection() {
   std::random_device random;
-  std::uint32_t session = 0;
-  while (session == 0) {
-    session = random();
+  std::uint32_t connection = 0;
+  while (connection == 0) {
+    connection = random();
   }
-  return session;
+  return connection;
 }
 
 void requireSafe(const char* key, const std::string& address, const EndOptions& options) {

@@ -14,7 +14,7 @@ struct PacketCounts {
   std::string first_malformed = {};  ///< why the first was not read
   std::uint64_t forged = 0;          ///< do not prove that their sender knows the key
   std::uint64_t greetings = 0;       ///< of who does not know this end's nonce yet
-  std::uint64_t replayed = 0;        ///< older than another, or of a session that is over
+  std::uint64_t replayed = 0;        ///< older than another, or of a connection that is over
   std::uint64_t strangers = 0;       ///< of others, while somebody is heard
 
   [[nodiscard]] bool operator==(const PacketCounts&) const = default;
@@ -28,8 +28,8 @@ struct EndOptions {
   Sending sending;
 };
 
-/// A number to call a session by: drawn, never 0.
-[[nodiscard]] std::uint32_t newSession();
+/// A number to call a connection by: drawn, never 0.
+[[nodiscard]] std::uint32_t newConnection();
 
 /// @param key, address  where packets come from or go to. @throws InvalidParameter when that is no address, or is
 /// beyond this machine while packets are not signed and nobody has asked for that.

@@ -36,7 +36,7 @@ struct RobotReport {
   std::uint64_t index = 0;  ///< command that it has come to; with the ticks before it, that the means are over
   std::uint32_t ticks = 0;  ///< 0: it follows none
   Pose pose;                ///< of the tool now, site frame
-  Wrench met;               ///< mean of what the sensor told, site frame, about the tool's origin
+  Wrench met;               ///< mean reading of the force sensor, site frame, about the tool's origin
 };
 
 }  // namespace haptolith

@@ -18,7 +18,7 @@ bool isPart(std::size_t first, std::size_t count, std::size_t of) noexcept {
 
 bool makesSense(const SitePacket& packet) noexcept {
   const HeightGrid& grid = packet.grid;
-  return packet.robot_session != 0 && std::abs(grid.x_m) <= kFurthest_m && std::abs(grid.y_m) <= kFurthest_m &&
+  return packet.robot_connection != 0 && std::abs(grid.x_m) <= kFurthest_m && std::abs(grid.y_m) <= kFurthest_m &&
          grid.cell_m >= kSmallestCell_m && grid.cell_m <= kLargestCell_m && grid.cells() <= SitePacket::kMostCells &&
          isPart(packet.column, packet.columns, grid.columns) && isPart(packet.row, packet.rows, grid.rows);
 }
@@ -33,7 +33,7 @@ std::optional<SitePacket> parseSite(std::span<const std::uint8_t> bytes) {
   }
   SitePacket packet;
   (void)reader.next<std::uint16_t>();
-  reader.read(packet.robot_session);
+  reader.read(packet.robot_connection);
   packet.grid.columns = reader.next<std::uint16_t>();
   packet.grid.rows = reader.next<std::uint16_t>();
   packet.grid.x_m = static_cast<double>(reader.next<float>());
@@ -64,7 +64,7 @@ Packet bytesOf(const SitePacket& packet) {
   writer.writeMagic(SitePacket::kMagic);
   writer.write(SitePacket::kVersion);
   count(0);
-  writer.write(packet.robot_session);
+  writer.write(packet.robot_connection);
   count(packet.grid.columns);
   count(packet.grid.rows);
   writer.write(static_cast<float>(packet.grid.x_m));

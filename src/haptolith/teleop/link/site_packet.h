@@ -19,7 +19,7 @@ namespace haptolith {
 ///          0  u8[4]   "HLTM"
 ///          4  u16     version, 1
 ///          6  u16     0
-///          8  u32     session of its own, as in its StatePackets
+///          8  u32     connection of its own, as in its StatePackets
 ///         12  u16     columns of the whole map, along x: 1 to 1024
 ///         14  u16     rows, along y: 1 to 1024; columns times rows: 65536 at most
 ///         16  f32     x of the corner of the map's first cell, m      site frame; within 100 m
@@ -41,14 +41,14 @@ struct SitePacket {
   static constexpr double kStep_m = 1e-4;
   static constexpr std::int16_t kNotSeen = -32768;
 
-  std::uint32_t robot_session = 0;
+  std::uint32_t robot_connection = 0;
   HeightGrid grid;  ///< of the whole map
   std::size_t column = 0, row = 0, columns = 0, rows = 0;
   std::uint64_t number = 0, index = 0;
   std::vector<std::int16_t> steps = {};
 };
 
-/// Reads a packet from anybody; none when it is malformed: wrong size, magic, version or session 0, a number that is
+/// Reads a packet from anybody; none when it is malformed: wrong size, magic, version or connection 0, a number that is
 /// NaN, infinite or out of range, a part that is not of the map. Not for the tick.
 [[nodiscard]] std::optional<SitePacket> parseSite(std::span<const std::uint8_t> bytes);
 [[nodiscard]] Packet bytesOf(const SitePacket& packet);

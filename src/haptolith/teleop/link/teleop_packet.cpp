@@ -36,7 +36,7 @@ bool makesSense(Pose& pose) noexcept {
   return good;
 }
 
-bool makesSense(CommandKey& key) noexcept {
+bool makesSense(Keyframe& key) noexcept {
   return makesSense(key.hand.pose) && isWithin(kLargestSpeed_m_s, key.hand.twist.linear_m_s) &&
          isWithin(kLargestTurning_rad_s, key.hand.twist.angular_rad_s) && key.hand.opening >= 0 &&
          key.hand.opening <= 1;
@@ -47,8 +47,8 @@ bool makesSense(RobotReport& report) noexcept {
          isWithin(kLargestForce_n, report.met.torque_nm) && report.ticks <= report.index;
 }
 
-CommandKey nextKey(PacketReader& reader) noexcept {
-  CommandKey key;
+Keyframe nextKey(PacketReader& reader) noexcept {
+  Keyframe key;
   reader.read(key.index);
   reader.readVector<float>(key.hand.pose.position_m);
   reader.readQuaternion<float>(key.hand.pose.orientation);
@@ -73,13 +73,14 @@ RobotReport nextReport(PacketReader& reader) noexcept {
 
 /// Reads `count` of them; false when one makes no sense.
 template <class Key>
-bool readGrowing(PacketReader& reader, std::size_t count, Key (&next)(PacketReader&) noexcept, std::vector<Key>& keys) {
+bool readGrowing(PacketReader& reader, std::size_t count, Key (&next)(PacketReader&) noexcept,
+                 std::vector<Key>& keyframes) {
   for (std::size_t i = 0; i < count; ++i) {
     Key key = next(reader);
-    if (!makesSense(key) || (!keys.empty() && key.index <= keys.back().index)) {
+    if (!makesSense(key) || (!keyframes.empty() && key.index <= keyframes.back().index)) {
       return false;
     }
-    keys.push_back(key);
+    keyframes.push_back(key);
   }
   return true;
 }
@@ -120,13 +121,13 @@ std::optional<CommandPacket> parseCommand(std::span<const std::uint8_t> bytes) {
   const auto flags = reader.next<std::uint16_t>();
   packet.held = (flags & kHeld) != 0;
   packet.tare = (flags & kTare) != 0;
-  reader.read(packet.session);
+  reader.read(packet.connection);
   const std::size_t count = reader.next<std::uint32_t>();
   reader.read(packet.number);
   reader.read(packet.sender_time);
-  const bool fits = packet.session != 0 && count >= 1 && count <= CommandPacket::kMostKeys &&
-                    bytes.size() == CommandPacket::kHeaderBytes + count * CommandPacket::kKeyBytes;
-  return fits && readGrowing(reader, count, nextKey, packet.keys) ? std::optional(packet) : std::nullopt;
+  const bool fits = packet.connection != 0 && count >= 1 && count <= CommandPacket::kMostKeyframes &&
+                    bytes.size() == CommandPacket::kHeaderBytes + count * CommandPacket::kKeyframeBytes;
+  return fits && readGrowing(reader, count, nextKey, packet.keyframes) ? std::optional(packet) : std::nullopt;
 }
 
 std::optional<StatePacket> parseState(std::span<const std::uint8_t> bytes) {
@@ -139,8 +140,8 @@ std::optional<StatePacket> parseState(std::span<const std::uint8_t> bytes) {
   packet.at_force_cap = (flags & kAtForceCap) != 0;
   packet.at_speed_cap = (flags & kAtSpeedCap) != 0;
   packet.at_edge = (flags & kAtEdge) != 0;
-  reader.read(packet.operator_session);
-  reader.read(packet.robot_session);
+  reader.read(packet.operator_connection);
+  reader.read(packet.robot_connection);
   reader.read(packet.number);
   reader.read(packet.sender_time);
   reader.read(packet.newest);
@@ -148,7 +149,7 @@ std::optional<StatePacket> parseState(std::span<const std::uint8_t> bytes) {
   const auto reason = reader.next<std::uint8_t>();
   const std::size_t count = reader.next<std::uint16_t>();
   (void)reader.next<std::uint32_t>();
-  const bool fits = packet.robot_session != 0 && state <= static_cast<std::uint8_t>(RobotState::kFailed) &&
+  const bool fits = packet.robot_connection != 0 && state <= static_cast<std::uint8_t>(RobotState::kFailed) &&
                     reason <= static_cast<std::uint8_t>(StopReason::kFault) && count >= 1 &&
                     count <= StatePacket::kMostReports &&
                     bytes.size() == StatePacket::kHeaderBytes + count * StatePacket::kReportBytes;
@@ -161,17 +162,17 @@ std::optional<StatePacket> parseState(std::span<const std::uint8_t> bytes) {
 }
 
 Packet bytesOf(const CommandPacket& packet) {
-  requireCount("keys", packet.keys.size(), CommandPacket::kMostKeys);
-  Packet bytes(CommandPacket::kHeaderBytes + packet.keys.size() * CommandPacket::kKeyBytes);
+  requireCount("keyframes", packet.keyframes.size(), CommandPacket::kMostKeyframes);
+  Packet bytes(CommandPacket::kHeaderBytes + packet.keyframes.size() * CommandPacket::kKeyframeBytes);
   PacketWriter writer(std::as_writable_bytes(std::span(bytes)));
   writer.writeMagic(kCommandMagic);
   writer.write(CommandPacket::kVersion);
   writer.write(static_cast<std::uint16_t>((packet.held ? kHeld : 0) | (packet.tare ? kTare : 0)));
-  writer.write(packet.session);
-  writer.write(static_cast<std::uint32_t>(packet.keys.size()));
+  writer.write(packet.connection);
+  writer.write(static_cast<std::uint32_t>(packet.keyframes.size()));
   writer.write(packet.number);
   writer.write(packet.sender_time);
-  for (const CommandKey& key : packet.keys) {
+  for (const Keyframe& key : packet.keyframes) {
     writer.write(key.index);
     writer.writeVector<float>(key.hand.pose.position_m);
     writer.writeQuaternion<float>(key.hand.pose.orientation);
@@ -190,8 +191,8 @@ Packet bytesOf(const StatePacket& packet) {
   writer.write(StatePacket::kVersion);
   writer.write(static_cast<std::uint16_t>((packet.at_force_cap ? kAtForceCap : 0) |
                                           (packet.at_speed_cap ? kAtSpeedCap : 0) | (packet.at_edge ? kAtEdge : 0)));
-  writer.write(packet.operator_session);
-  writer.write(packet.robot_session);
+  writer.write(packet.operator_connection);
+  writer.write(packet.robot_connection);
   writer.write(packet.number);
   writer.write(packet.sender_time);
   writer.write(packet.newest);
@@ -212,11 +213,11 @@ Packet bytesOf(const StatePacket& packet) {
   return bytes;
 }
 
-std::vector<std::size_t> commandLags(double period_s, std::size_t keys) {
+std::vector<std::size_t> commandLags(double period_s, std::size_t keyframes) {
   constexpr double kWidest_s = 0.3;
   const auto widest = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(kWidest_s / period_s)));
   std::vector<std::size_t> lags{0};
-  while (lags.size() < keys) {
+  while (lags.size() < keyframes) {
     const std::size_t last = lags.back();
     lags.push_back(last + std::clamp<std::size_t>(last, 1, widest));
   }
@@ -224,8 +225,8 @@ std::vector<std::size_t> commandLags(double period_s, std::size_t keys) {
   return lags;
 }
 
-std::vector<std::size_t> reportLags(std::size_t keys) {
-  std::vector<std::size_t> lags(keys);
+std::vector<std::size_t> reportLags(std::size_t keyframes) {
+  std::vector<std::size_t> lags(keyframes);
   std::iota(lags.rbegin(), lags.rend(), 0);
   return lags;
 }
@@ -234,7 +235,7 @@ Sending sendingOver(const LinkParameters& up, const LinkParameters& down) {
   constexpr double kShare = 0.8;
   constexpr double kBitsPerByte = 8;
   constexpr double kRarely_s = 0.1;
-  // As many keys as fit, up to those wanted.
+  // As many keyframes as fit, up to those wanted.
   const auto fit = [&](const LinkParameters& way, double period_s, std::size_t header, std::size_t each,
                        std::size_t wanted) {
     if (way.rate_bit_s == 0) {
@@ -247,14 +248,14 @@ Sending sendingOver(const LinkParameters& up, const LinkParameters& down) {
   };
   Sending sending;
   constexpr std::size_t kFewest = 8;
-  const auto keys = [&](std::size_t wanted) {
-    return fit(up, sending.period_s, CommandPacket::kHeaderBytes, CommandPacket::kKeyBytes, wanted);
+  const auto keyframes = [&](std::size_t wanted) {
+    return fit(up, sending.period_s, CommandPacket::kHeaderBytes, CommandPacket::kKeyframeBytes, wanted);
   };
-  const std::size_t wanted = sending.command_keys;
-  if (keys(wanted) < kFewest) {
+  const std::size_t wanted = sending.command_keyframes;
+  if (keyframes(wanted) < kFewest) {
     sending.period_s = kRarely_s;
   }
-  sending.command_keys = keys(wanted);
+  sending.command_keyframes = keyframes(wanted);
   sending.report_keys =
       fit(down, sending.period_s, StatePacket::kHeaderBytes, StatePacket::kReportBytes, sending.report_keys);
   if (down.rate_bit_s > 0) {

@@ -16,18 +16,18 @@
 
 namespace haptolith {
 
-/// What the operator's program sends, some 50 times a second: where the hand had the tool, with keys that earlier
+/// What the operator's program sends, some 50 times a second: where the hand had the tool, with keyframes that earlier
 /// packets had already, for those may be lost. One UDP packet of 32 + 64 n bytes, little-endian:
 ///
 ///     offset  type    what
 ///          0  u8[4]   "HLTC"
 ///          4  u16     version, 1
 ///          6  u16     flags: bit 0 the operator's hand holds the tool; bit 1 the sensor is to find a new zero
-///          8  u32     session: a number that the operator's program has drawn at its start, not 0
-///         12  u32     n, keys: 1 to 64
+///          8  u32     connection: a number that the operator's program has drawn at its start, not 0
+///         12  u32     n, keyframes: 1 to 64
 ///         16  u64     number of this packet, one more with each
 ///         24  u64     the sender's time, returned in the answer; its unit is the sender's own
-///     then n keys, the oldest first, of 64 bytes each:
+///     then n keyframes, the oldest first, of 64 bytes each:
 ///          0  u64     index of the operator's tick, one a millisecond
 ///          8  f32[3]  position of the tool's origin, m       site frame; each within 10 m
 ///         20  f32[4]  orientation, w x y z                   of unit length within 1 %
@@ -35,14 +35,14 @@ namespace haptolith {
 ///         48  f32[3]  angular velocity, rad/s                each within 1000 rad/s
 ///         60  f32     opening of jaws, 0 closed to 1 wide open
 struct CommandPacket {
-  static constexpr std::size_t kHeaderBytes = 32, kKeyBytes = 64, kMostKeys = 64;
+  static constexpr std::size_t kHeaderBytes = 32, kKeyframeBytes = 64, kMostKeyframes = 64;
   static constexpr std::uint16_t kVersion = 1;
 
   bool held = true;
   bool tare = false;
-  std::uint32_t session = 0;
+  std::uint32_t connection = 0;
   std::uint64_t number = 0, sender_time = 0;
-  std::vector<CommandKey> keys = {};
+  std::vector<Keyframe> keyframes = {};
 };
 
 /// What the robot sends, likewise: what it has done, and met. One UDP packet of 48 + 72 n bytes, little-endian:
@@ -51,8 +51,8 @@ struct CommandPacket {
 ///          0  u8[4]   "HLTS"
 ///          4  u16     version, 1
 ///          6  u16     flags: bit 0 at its force cap, 1 at its speed cap, 2 at the edge of its workspace
-///          8  u32     session of the operator whose commands it has; 0: none yet
-///         12  u32     session of its own: drawn at its start, not 0
+///          8  u32     connection of the operator whose commands it has; 0: none yet
+///         12  u32     connection of its own: drawn at its start, not 0
 ///         16  u64     number of this packet, one more with each
 ///         24  u64     the operator's time in the newest packet that it has had
 ///         32  u64     index of the newest command that it has had
@@ -74,15 +74,15 @@ struct StatePacket {
   static constexpr std::uint16_t kVersion = 1;
 
   bool at_force_cap = false, at_speed_cap = false, at_edge = false;
-  std::uint32_t operator_session = 0, robot_session = 0;
+  std::uint32_t operator_connection = 0, robot_connection = 0;
   std::uint64_t number = 0, sender_time = 0, newest = 0;
   RobotState state = RobotState::kTaring;
   StopReason reason = StopReason::kNone;
   std::vector<RobotReport> reports = {};
 };
 
-/// Reads a packet from anybody; none when it is malformed: wrong size, magic, version or session 0, a number that is
-/// NaN, infinite or out of range, a turn of no unit length, keys or reports that do not grow. Not for the tick.
+/// Reads a packet from anybody; none when it is malformed: wrong size, magic, version or connection 0, a number that is
+/// NaN, infinite or out of range, a turn of no unit length, keyframes or reports that do not grow. Not for the tick.
 [[nodiscard]] std::optional<CommandPacket> parseCommand(std::span<const std::uint8_t> bytes);
 [[nodiscard]] std::optional<StatePacket> parseState(std::span<const std::uint8_t> bytes);
 
@@ -91,16 +91,16 @@ struct StatePacket {
 [[nodiscard]] std::string describeMalformedCommand(std::span<const std::uint8_t> bytes);
 [[nodiscard]] std::string describeMalformedReport(std::span<const std::uint8_t> bytes);
 
-/// @throws InvalidParameter for none or more keys than a packet holds.
+/// @throws InvalidParameter for none or more keyframes than a packet holds.
 [[nodiscard]] Packet bytesOf(const CommandPacket& packet);
 [[nodiscard]] Packet bytesOf(const StatePacket& packet);
 
 /// What is sent again, in case it was lost: of what is told once a period, the newest and some that came before.
 template <class Key>
-class KeyHistory {
+class KeyframeHistory {
  public:
   /// @param lags  in periods, the largest first and 0 last.
-  explicit KeyHistory(std::vector<std::size_t> lags) : lags_(std::move(lags)) {}
+  explicit KeyframeHistory(std::vector<std::size_t> lags) : lags_(std::move(lags)) {}
 
   /// The newest key; what the packet with it holds.
   [[nodiscard]] std::vector<Key> add(const Key& key) {
@@ -122,17 +122,17 @@ class KeyHistory {
   std::deque<Key> keys_;  ///< newest first
 };
 
-/// Which of a movement: with so many keys in steps that double until they are 0.3 s, between which a hand is smooth.
-/// The 13 keys of 20 ms, for example, reach back over 2.4 s: 121, 106, ..., 31, 16, 8, 4, 2, 1, 0.
-[[nodiscard]] std::vector<std::size_t> commandLags(double period_s, std::size_t keys);
+/// Which of a movement: with so many keyframes in steps that double until they are 0.3 s, between which a hand is
+/// smooth. The 13 keyframes of 20 ms, for example, reach back over 2.4 s: 121, 106, ..., 31, 16, 8, 4, 2, 1, 0.
+[[nodiscard]] std::vector<std::size_t> commandLags(double period_s, std::size_t keyframes);
 /// Which of reports: forces are wanted whole, so 3, 2, 1, 0.
-[[nodiscard]] std::vector<std::size_t> reportLags(std::size_t keys);
+[[nodiscard]] std::vector<std::size_t> reportLags(std::size_t keyframes);
 
 /// How often to send, and how much, over a link of some rate: 50 times a second, or 10 where that fills four fifths of
-/// it with less than 8 keys; pictures of the site take a tenth of it at most.
+/// it with less than 8 keyframes; pictures of the site take a tenth of it at most.
 struct Sending {
   double period_s = 0.02;
-  std::size_t command_keys = 13, report_keys = 4;
+  std::size_t command_keyframes = 13, report_keys = 4;
   double site_period_s = 0.05;  ///< between two SitePackets
 };
 [[nodiscard]] Sending sendingOver(const LinkParameters& up, const LinkParameters& down);

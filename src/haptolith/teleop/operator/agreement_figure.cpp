@@ -14,13 +14,13 @@ namespace {
 
 constexpr int kWidth_px = 1200, kPanelHeight_px = 230, kMargins_px = 120;
 // Two of Okabe and Ito's colours, which the colour-blind can tell apart.
-constexpr const char* kFelt = "#0072b2";
+constexpr const char* kDisplayed = "#0072b2";
 constexpr const char* kMet = "#d55e00";
 
 double strongestOf(const AgreementPanel& panel) {
   double strongest_n = 0;
   for (const AgreementPoint& point : panel.points) {
-    strongest_n = std::max({strongest_n, point.felt_n.norm(), point.met_n.norm()});
+    strongest_n = std::max({strongest_n, point.displayed_n.norm(), point.met_n.norm()});
   }
   return strongest_n;
 }
@@ -59,7 +59,7 @@ void drawAgreement(const OutputFile& file, const std::vector<AgreementPanel>& pa
   for (std::size_t i = 0; i < panels.size(); ++i) {
     std::vector<std::vector<double>> data;
     for (const AgreementPoint& point : panels[i].points) {
-      data.push_back({point.time_s, point.felt_n.norm(), point.met_n.norm()});
+      data.push_back({point.time_s, point.displayed_n.norm(), point.met_n.norm()});
     }
     const std::string name = fmt::format("run{}", i);
     figure.data(name, data);
@@ -72,7 +72,7 @@ void drawAgreement(const OutputFile& file, const std::vector<AgreementPanel>& pa
             ? std::string("plot NaN notitle")
             : fmt::format("plot ${0} using 1:3 with lines linewidth 2.5 linecolor rgb '{2}' title 'met by the robot', "
                           "${0} using 1:2 with lines linewidth 1.5 linecolor rgb '{1}' title 'felt by the hand'",
-                          name, kFelt, kMet));
+                          name, kDisplayed, kMet));
   }
   figure.command("unset multiplot");
   figure.save();

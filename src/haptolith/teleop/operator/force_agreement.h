@@ -12,7 +12,7 @@ namespace haptolith {
 /// What the hand felt in each tick, as sums, but for the limits of its device: a hand that is shown 12 N at most cannot
 /// say what a model is worth: its mean over any stretch of the last half minute costs two reads. Not for
 /// the tick.
-class FeltTrack {
+class DisplayedForceTrack {
  public:
   static constexpr std::uint64_t kTicks = 1U << 15U;
 
@@ -29,7 +29,7 @@ class FeltTrack {
 /// Force felt beside force met, at the same command.
 struct AgreementPoint {
   double time_s = 0;  ///< of the commands, the middle of them
-  Vec3 felt_n, met_n;
+  Vec3 displayed_n, met_n;
 };
 
 /// How well they agree: in windows of a fifth of a second, for grains do not strike alike in any two specimens of one
@@ -41,7 +41,7 @@ class ForceAgreement {
   static constexpr double kWindow_s = 0.2;
 
   /// Means over a stretch of commands; stretches may come in any order, each once.
-  void add(double end_s, double stretch_s, const Vec3& felt_n, const Vec3& met_n);
+  void add(double end_s, double stretch_s, const Vec3& displayed_n, const Vec3& met_n);
 
   /// In order of time.
   [[nodiscard]] std::vector<AgreementPoint> windows() const;
@@ -53,7 +53,7 @@ class ForceAgreement {
  private:
   struct Window {
     double known_s = 0;
-    Vec3 felt_ns = Vec3::Zero(), met_ns = Vec3::Zero();
+    Vec3 displayed_ns = Vec3::Zero(), met_ns = Vec3::Zero();
   };
   std::map<std::int64_t, Window> windows_;  ///< by their number
 };

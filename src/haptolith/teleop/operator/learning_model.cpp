@@ -67,7 +67,7 @@ const SoilState& LearningModel::stateAt(std::uint64_t index) const {
   return after == states_.begin() ? states_.front().state : std::prev(after)->state;
 }
 
-void LearningModel::met(const RobotReport& report, const Vec3& felt_n) {
+void LearningModel::met(const RobotReport& report, const Vec3& displayed_n) {
   if (report.ticks == 0) {
     return;
   }
@@ -80,7 +80,7 @@ void LearningModel::met(const RobotReport& report, const Vec3& felt_n) {
     window.last = report;
   }
   window.ticks += report.ticks;
-  window.felt += report.ticks * felt_n;
+  window.displayed += report.ticks * displayed_n;
   window.met += report.ticks * report.met.force_n;
   // What is late by more than another stretch is not waited for.
   while (!windows_.empty() && (windows_.begin()->first + 2) * kStretchTicks <= newest_) {
@@ -98,14 +98,14 @@ void LearningModel::close(const Window& window) {
   const double duration_s = static_cast<double>(last.index - first.index) * tick_s_;
   const Pose middle = interpolate(first.pose, last.pose, 0.5);
   const std::optional<ToolCut> cut = cutOf(tool_, middle, (last.pose.position_m - first.pose.position_m) / duration_s);
-  const Vec3 felt_n = window.felt / window.ticks, met_n = window.met / window.ticks;
-  if (!cut || felt_n.norm() < kLeastForce_n || met_n.norm() < kLeastForce_n) {
+  const Vec3 displayed_n = window.displayed / window.ticks, met_n = window.met / window.ticks;
+  if (!cut || displayed_n.norm() < kLeastForce_n || met_n.norm() < kLeastForce_n) {
     return;
   }
-  if (!isOfCut(felt_n, *cut) || !isOfCut(met_n, *cut)) {
+  if (!isOfCut(displayed_n, *cut) || !isOfCut(met_n, *cut)) {
     return;
   }
-  learner_.add({middle.position_m, *cut, stateAt((first.index + last.index) / 2), felt_n, met_n});
+  learner_.add({middle.position_m, *cut, stateAt((first.index + last.index) / 2), displayed_n, met_n});
   place_m_ = last.pose.position_m;
   cut_ = *cut;
   has_new_ = true;

@@ -40,7 +40,7 @@ class LearningModel {
   LearningModel(const Scenario& model, const StrengthMap& strengths, Work work = Work::kAtOnce);
 
   /// A report of the robot, and the mean of what was felt over the same commands. In any order, each once.
-  void met(const RobotReport& report, const Vec3& felt_n);
+  void met(const RobotReport& report, const Vec3& displayed_n);
 
   /// How the model is to change at tick `index`; none: not now. Call it often, with an index that grows.
   /// @param in_air  whether the hand feels no soil.
@@ -57,8 +57,8 @@ class LearningModel {
 
  private:
   struct Window {
-    double ticks = 0, felt_share = 0;
-    Vec3 felt = Vec3::Zero(), met = Vec3::Zero();  ///< sums over ticks
+    double ticks = 0, displayed_ratio = 0;
+    Vec3 displayed = Vec3::Zero(), met = Vec3::Zero();  ///< sums over ticks
     RobotReport first, last;
   };
   struct StateFrom {

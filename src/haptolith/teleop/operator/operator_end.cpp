@@ -27,21 +27,21 @@ OperatorEnd::OperatorEnd(const std::string& to, const EndOptions& options, doubl
       tick_s_(tick_s),
       port_("to", options_.listen),
       seal_(options.key),
-      history_(commandLags(options.sending.period_s, options.sending.command_keys)),
+      history_(commandLags(options.sending.period_s, options.sending.command_keyframes)),
       period_(static_cast<std::uint64_t>(std::llround(options.sending.period_s / tick_s))) {
   requireSafe("to", to, options);
-  command_.session = newSession();
+  command_.connection = newConnection();
 }
 
 void OperatorEnd::follow(std::span<const TickRecord> ticks) {
   for (const TickRecord& tick : ticks) {
-    felt_.add(next_, tick.rendered.wrench.force_n);
+    displayed_.add(next_, tick.rendered.wrench.force_n);
     if (next_ % period_ == 0) {
-      CommandKey key;
+      Keyframe key;
       key.index = next_;
       key.hand = {{tick.scene_T_tool, tick.device.twist}, tick.device.gripper_open};
       key.hand.pose.position_m.z() -= surface_m_;
-      command_.keys = history_.add(key);
+      command_.keyframes = history_.add(key);
       command_.held = tick.trip == 0 && tick.device.state == DeviceState::kLive;
       if (!news_.heard) {  // a robot that was started again knows nothing of the nonce of the one before
         seal_.forget();
@@ -79,7 +79,7 @@ void OperatorEnd::receive(const RobotListener& listener) {
 }
 
 void OperatorEnd::take(const StatePacket& packet, const RobotListener& listener) {
-  const bool same_robot = news_.ever && packet.robot_session == news_.state.robot_session;
+  const bool same_robot = news_.ever && packet.robot_connection == news_.state.robot_connection;
   if (same_robot && packet.number <= news_.state.number) {
     ++counts_.replayed;
     return;
@@ -88,7 +88,7 @@ void OperatorEnd::take(const StatePacket& packet, const RobotListener& listener)
   heard_ns_ = monotonicNs();
   news_.ever = true;
   news_.state = packet;
-  if (packet.operator_session != command_.session) {  // it has not heard of this run yet
+  if (packet.operator_connection != command_.connection) {  // it has not heard of this run yet
     return;
   }
   news_.round_trip_s = static_cast<double>(heard_ns_ - static_cast<std::int64_t>(packet.sender_time)) * 1e-9;
@@ -97,24 +97,25 @@ void OperatorEnd::take(const StatePacket& packet, const RobotListener& listener)
       continue;
     }
     executed_ = std::max(executed_, report.index);
-    const std::optional<Vec3> felt_n = felt_.mean(report.index - report.ticks, report.index);
-    if (felt_n) {
-      agreement_.add(static_cast<double>(report.index) * tick_s_, report.ticks * tick_s_, *felt_n, report.met.force_n);
-      news_.felt_n = *felt_n;
+    const std::optional<Vec3> displayed_n = displayed_.mean(report.index - report.ticks, report.index);
+    if (displayed_n) {
+      agreement_.add(static_cast<double>(report.index) * tick_s_, report.ticks * tick_s_, *displayed_n,
+                     report.met.force_n);
+      news_.displayed_n = *displayed_n;
       news_.met_n = report.met.force_n;
     }
     if (listener.report) {
-      listener.report(report, felt_n);
+      listener.report(report, displayed_n);
     }
   }
-  while (!known_.empty() && *known_.begin() + FeltTrack::kTicks < executed_) {
+  while (!known_.empty() && *known_.begin() + DisplayedForceTrack::kTicks < executed_) {
     known_.erase(known_.begin());
   }
 }
 
 void OperatorEnd::take(const SitePacket& packet, const RobotListener& listener) {
   // A map may be from before this run, numbered by another operator's commands.
-  const bool is_own = news_.ever && packet.robot_session == news_.state.robot_session && packet.index < next_;
+  const bool is_own = news_.ever && packet.robot_connection == news_.state.robot_connection && packet.index < next_;
   if (!is_own || !site_.take(packet)) {
     ++counts_.replayed;
     return;

@@ -23,14 +23,14 @@ struct RobotNews {
   double round_trip_s = 0;   ///< of the newest packet
   std::uint64_t behind = 0;  ///< commands between the newest that was sent and the newest that was carried out
   StatePacket state;         ///< the newest
-  Vec3 felt_n = Vec3::Zero(), met_n = Vec3::Zero();  ///< in the newest stretch of commands of which both are known
+  Vec3 displayed_n = Vec3::Zero(), met_n = Vec3::Zero();  ///< in the newest stretch of commands of which both are known
 };
 
 /// Who is told what has come from a robot; functions may be missing.
 struct RobotListener {
   /// Each new report, and the mean of what was felt over the same commands; none: the robot followed none, or they are
   /// too long ago.
-  std::function<void(const RobotReport& report, const std::optional<Vec3>& felt_n)> report = {};
+  std::function<void(const RobotReport& report, const std::optional<Vec3>& displayed_n)> report = {};
   /// What it sees of its site, where that is news.
   std::function<void(const SitePacket& seen)> seen = {};
 };
@@ -68,10 +68,10 @@ class OperatorEnd {
   double surface_m_, tick_s_;
   UdpPort port_;
   PacketSeal seal_;
-  KeyHistory<CommandKey> history_;
+  KeyframeHistory<Keyframe> history_;
   CommandPacket command_;
   std::uint64_t next_ = 0, period_;  ///< index of the next tick
-  FeltTrack felt_;
+  DisplayedForceTrack displayed_;
   ForceAgreement agreement_;
   std::set<std::uint64_t> known_;  ///< reports of the last half minute
   std::uint64_t executed_ = 0;

@@ -5,8 +5,8 @@
 namespace haptolith {
 
 bool SiteMap::take(const SitePacket& packet) {
-  if (packet.robot_session != robot_session_ || packet.grid != grid_) {
-    robot_session_ = packet.robot_session;
+  if (packet.robot_connection != robot_session_ || packet.grid != grid_) {
+    robot_session_ = packet.robot_connection;
     grid_ = packet.grid;
     heights_m_.assign(grid_.cells(), std::numeric_limits<double>::quiet_NaN());
     known_.assign(grid_.cells(), false);

@@ -13,7 +13,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::uint32_t kProbeSession = 1;
+constexpr std::uint32_t kProbeConnection = 1;
 constexpr std::uint64_t kAnotherPlace = 1000;  ///< of the site: another specimen
 constexpr std::uint64_t kKeyEvery = 20;        ///< ticks
 constexpr std::uint64_t kLookEvery = 250;
@@ -45,10 +45,10 @@ class ProbeCommands {
   [[nodiscard]] double time(double index) const {
     return begun_ ? (index - static_cast<double>(begin_)) * tick_s_ : -1;
   }
-  [[nodiscard]] CommandKey key(std::uint64_t index) const {
+  [[nodiscard]] Keyframe key(std::uint64_t index) const {
     const double time_s = time(static_cast<double>(index));
     const Pose before = movement_.at(time_s - tick_s_), after = movement_.at(time_s + tick_s_);
-    CommandKey key{index, {}};
+    Keyframe key{index, {}};
     key.hand.pose = movement_.at(time_s);
     key.hand.twist = {(after.position_m - before.position_m) / (2 * tick_s_),
                       rotationBetween(before.orientation, after.orientation) / (2 * tick_s_)};
@@ -84,8 +84,8 @@ ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, co
       commands.begin(tick + kAhead);
     }
     if (tick % kKeyEvery == 0) {
-      const std::array keys{commands.key(tick + 1)};
-      robot.take(kProbeSession, true, keys);
+      const std::array keyframes{commands.key(tick + 1)};
+      robot.take(kProbeConnection, true, keyframes);
     }
     robot.tick();
     const double time_s = commands.time(robot.index());

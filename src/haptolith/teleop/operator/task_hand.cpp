@@ -17,7 +17,7 @@ DeviceInput TaskHand::read() noexcept {
   const Movement wanted = movement(wanted_, next_, tick_s_);
   wanted_ = next_;
   if (arm_) {
-    (void)moveArm(*arm_, wanted, felt_, DeviceLimits::kNone, tick_s_, tool_);
+    (void)moveArm(*arm_, wanted, displayed_, DeviceLimits::kNone, tick_s_, tool_);
   } else {
     tool_ = wanted;
   }

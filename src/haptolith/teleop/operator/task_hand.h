@@ -24,8 +24,8 @@ class TaskHand final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceInput read() noexcept override;
-  void write(const DeviceOutput& output) noexcept override { felt_ = output.wrench; }
-  void releaseForce() noexcept override { felt_ = {}; }
+  void write(const DeviceOutput& output) noexcept override { displayed_ = output.wrench; }
+  void releaseForce() noexcept override { displayed_ = {}; }
   void resumeForce() noexcept override {}
 
  private:
@@ -34,7 +34,7 @@ class TaskHand final : public HapticDevice {
   double tick_s_;
   Pose wanted_, next_;
   Movement tool_;
-  Wrench felt_;
+  Wrench displayed_;
 };
 
 }  // namespace haptolith

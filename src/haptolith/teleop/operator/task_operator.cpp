@@ -149,7 +149,7 @@ void TaskOperator::judgeTrench(const TaskSight& sight) {
 
 void TaskOperator::press(const TaskSight& sight) {
   phase_ = Phase::kPress;
-  const double off = 1 - sight.felt_n / aim_n_;
+  const double off = 1 - sight.displayed_n / aim_n_;
   const double step_m = kPress_m_s * tick_s_ * std::clamp(off, -1.0, 1.0);
   planned_.position_m.z() = std::max(kDeepestPress_m, planned_.position_m.z() - step_m);
   pressed_m_ += std::abs(step_m);

@@ -17,7 +17,7 @@ struct TaskSight {
   double time_s = 0;
   std::uint64_t index = 0;   ///< of the tick
   Pose tool;                 ///< in the operator's hand, site frame
-  double felt_n = 0;         ///< size of the force
+  double displayed_n = 0;    ///< size of the force
   double met_n = 0;          ///< size of the force that the robot met at the newest command that was heard of
   std::uint64_t met_at = 0;  ///< that command
   const SiteMap* site = nullptr;
@@ -34,7 +34,7 @@ class TaskOperator {
   /// @param round_trip_s  as the operator knows it.
   TaskOperator(SiteTask task, double round_trip_s, const Pose& start);
 
-  /// Where the hand is to be now; call it once a tick.
+  /// Pose that the hand aims at now, site frame; call it once a tick.
   [[nodiscard]] Pose wanted(const TaskSight& sight);
 
   [[nodiscard]] bool done() const noexcept { return done_; }

@@ -27,9 +27,10 @@ class BilateralEnd {
   /// Taken back so far.
   [[nodiscard]] double dissipated() const noexcept { return dissipated_j_; }
 
-  /// A force that the channel shows, as far as it is paid for when this end moves so.
+  /// Part of the displayed wrench that the channel's energy pays for while this end moves so. All wrenches and twists
+  /// are in the site frame, about the tool's origin.
   [[nodiscard]] Wrench damp(const Wrench& shown, const Twist& twist) noexcept;
-  /// A movement that the channel makes against a load, likewise. @param load  what it meets: against the movement.
+  /// Part of a commanded movement against a load that the channel's energy pays for. @param load  against the movement.
   [[nodiscard]] Twist brake(const Twist& moved, const Wrench& load) noexcept;
 
  private:

@@ -53,7 +53,8 @@ class ForceSensor {
   /// @throws InvalidParameter as validate().
   ForceSensor(const ForceSensorParameters& parameters, const Vec3& gravity_m_s2, double tick_s);
 
-  /// Takes a reading. @param tool  how it moves now.
+  /// Takes a reading: soil wrench about the tool's origin, site frame. @param soil  the true one. @param tool  its
+  /// present movement, site frame.
   [[nodiscard]] Wrench read(const Wrench& soil, const Movement& tool) noexcept;
 
   /// Forgets its zero, and takes the mean of the readings from now on for it until tared(): the tool has to hang still

@@ -69,19 +69,19 @@ Robot::Robot(const RobotParameters& parameters, std::unique_ptr<RobotArm> arm, d
   validate(parameters_, tick_s_);
 }
 
-void Robot::take(std::uint32_t session, bool held, std::span<const CommandKey> keys) {
-  if (session != session_) {  // another program, or the same once more: its indices are others
+void Robot::take(std::uint32_t connection, bool held, std::span<const Keyframe> keyframes) {
+  if (connection != connection_) {  // another program, or the same once more: its indices are others
     track_.clear();
     plays_ = false;
-    const bool first = session_ == 0;
-    session_ = session;
+    const bool first = connection_ == 0;
+    connection_ = connection;
     if (!first && state_ != RobotState::kTaring) {
       stop(StopReason::kRestart);
     }
   }
   silent_s_ = 0;
   held_ = held;
-  for (const CommandKey& key : keys) {
+  for (const Keyframe& key : keyframes) {
     track_.add(key);
   }
 }

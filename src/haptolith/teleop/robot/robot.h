@@ -22,12 +22,12 @@ struct RobotParameters {
   double max_force_n = 60;     ///< it pulls no harder; the tool then stays behind the command
   double stop_force_n = 100;   ///< it holds when its sensor tells more, for 20 ms
   double max_speed_m_s = 0.5;  ///< of the tool; commands that are faster are followed late
-  double jump_m_s = 2;         ///< between two keys: no hand is so fast
+  double jump_m_s = 2;         ///< between two keyframes: no hand is so fast
   double approach_m_s = 0.1;   ///< while it goes somewhere by itself
   double approach_rad_s = 1;   ///< likewise
   double clear_m = 0.08;       ///< height at which it goes across
   double playout_s = 0.02;     ///< of commands that it keeps in hand at first against jitter; more when they run out
-  double longest_gap_s = 0.5;  ///< between two keys, to be bridged
+  double longest_gap_s = 0.5;  ///< between two keyframes, to be bridged
   double silence_s = 3;        ///< without a command it retracts; it has stood still since the last
   double hold_s = 1;           ///< it stands still so long when it has stopped for another reason
   Vec3 lowest_m{-0.5, -0.5, -0.3},
@@ -62,8 +62,8 @@ class Robot {
   /// where the tool is. While the arm is not ready the robot is taring. @throws InvalidParameter as validate().
   Robot(const RobotParameters& parameters, std::unique_ptr<RobotArm> arm, double tick_s);
 
-  /// What a packet brought: keys of an operator's program that calls itself `session`.
-  void take(std::uint32_t session, bool held, std::span<const CommandKey> keys);
+  /// What a packet brought: keyframes of an operator's program that calls itself `connection`.
+  void take(std::uint32_t connection, bool held, std::span<const Keyframe> keyframes);
   /// Asks its sensor for a new zero when it next hangs still in the air: not while it follows.
   void tare() noexcept { wants_tare_ = true; }
 
@@ -74,14 +74,14 @@ class Robot {
 
   [[nodiscard]] RobotState state() const noexcept { return state_; }
   [[nodiscard]] StopReason reason() const noexcept { return reason_; }
-  [[nodiscard]] std::uint32_t session() const noexcept { return session_; }
+  [[nodiscard]] std::uint32_t connection() const noexcept { return connection_; }
   /// The newest command that has come; 0: none.
   [[nodiscard]] std::uint64_t newest() const noexcept { return track_.empty() ? 0 : track_.newest(); }
   /// The command that it carries out.
   [[nodiscard]] double index() const noexcept { return play_; }
   [[nodiscard]] const Movement& tool() const noexcept { return tool_; }  ///< site frame
   [[nodiscard]] const HandState& wanted() const noexcept { return wanted_; }
-  [[nodiscard]] const Wrench& met() const noexcept { return met_; }  ///< as the sensor told it last
+  [[nodiscard]] const Wrench& met() const noexcept { return met_; }  ///< last reading of the force sensor, site frame
   [[nodiscard]] bool atForceCap() const noexcept { return at_force_cap_; }
   [[nodiscard]] bool atSpeedCap() const noexcept { return at_speed_cap_; }
   [[nodiscard]] bool atWorkspaceEdge() const noexcept { return at_edge_; }
@@ -113,7 +113,7 @@ class Robot {
 
   RobotState state_ = RobotState::kTaring;
   StopReason reason_ = StopReason::kNone;
-  std::uint32_t session_ = 0;
+  std::uint32_t connection_ = 0;
   bool held_ = false;
   bool wants_tare_ = false;
   double in_state_s_ = 0, silent_s_ = 0, too_strong_s_ = 0;

@@ -25,7 +25,7 @@ RobotServer::RobotServer(Robot& robot, const EndOptions& options, double tick_s)
       period_(static_cast<std::uint64_t>(std::llround(options.sending.period_s / tick_s))),
       forgotten_after_(static_cast<std::uint64_t>(std::llround(kForgottenAfter_s / tick_s))) {
   requireSafe("listen", options_.listen, options_);
-  state_.robot_session = newSession();
+  state_.robot_connection = newConnection();
 }
 
 void RobotServer::receive() {
@@ -57,30 +57,30 @@ void RobotServer::take(const UdpPort::Datagram& datagram) {
     operator_ = somebody ? operator_ : datagram.from;  // is told this end's nonce with the next answer
     return;
   }
-  const bool another = packet->session != session_;
-  if (over_.contains(packet->session) || (!another && packet->number <= number_)) {
+  const bool another = packet->connection != connection_;
+  if (over_.contains(packet->connection) || (!another && packet->number <= number_)) {
     ++counts_.replayed;
     return;
   }
   // Who has proved to be there may begin anew, from wherever; who has proved nothing may not take the robot away.
-  if (another && session_ != 0 && somebody && !seal_.hasKey() && datagram.from != operator_) {
+  if (another && connection_ != 0 && somebody && !seal_.hasKey() && datagram.from != operator_) {
     ++counts_.strangers;
     return;
   }
-  if (another && session_ != 0 && over_.size() < kMostOver) {
-    over_.insert(session_);
+  if (another && connection_ != 0 && over_.size() < kMostOver) {
+    over_.insert(connection_);
   }
   ++counts_.taken;
-  session_ = packet->session;
+  connection_ = packet->connection;
   number_ = packet->number;
   operator_ = datagram.from;
   heard_tick_ = ticks_;
-  state_.operator_session = session_;
+  state_.operator_connection = connection_;
   state_.sender_time = packet->sender_time;
   if (packet->tare) {
     robot_.tare();
   }
-  robot_.take(packet->session, packet->held, packet->keys);
+  robot_.take(packet->connection, packet->held, packet->keyframes);
 }
 
 void RobotServer::answer() {
@@ -91,7 +91,7 @@ void RobotServer::answer() {
   if (state_.reports.empty() || report.index > state_.reports.back().index) {
     state_.reports = history_.add(report);
   } else if (report.index < state_.reports.back().index) {  // another operator counts from the beginning
-    history_ = KeyHistory<RobotReport>(reportLags(options_.sending.report_keys));
+    history_ = KeyframeHistory<RobotReport>(reportLags(options_.sending.report_keys));
     state_.reports = history_.add(report);
   } else {
     state_.reports.back().pose = report.pose;
@@ -111,7 +111,7 @@ void RobotServer::answer() {
 
 void RobotServer::show(SitePacket packet) {
   if (!operator_.empty()) {
-    packet.robot_session = state_.robot_session;
+    packet.robot_connection = state_.robot_connection;
     port_.send(operator_, seal_.seal(bytesOf(packet)));
   }
 }

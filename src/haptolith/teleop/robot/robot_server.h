@@ -39,11 +39,11 @@ class RobotServer {
   EndOptions options_;
   UdpPort port_;
   PacketSeal seal_;
-  KeyHistory<RobotReport> history_;
+  KeyframeHistory<RobotReport> history_;
   PacketCounts counts_;
   std::string operator_;
   std::uint64_t ticks_ = 0, heard_tick_ = 0, period_, forgotten_after_;
-  std::uint32_t session_ = 0;
+  std::uint32_t connection_ = 0;
   std::uint64_t number_ = 0;
   std::set<std::uint32_t> over_;  ///< sessions that another has followed
   StatePacket state_;

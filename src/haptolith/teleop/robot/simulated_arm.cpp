@@ -30,7 +30,7 @@ SimulatedArm::SimulatedArm(const ArmParameters& arm, double max_force_n, const F
 
 ArmReading SimulatedArm::move(const HandState& wanted, bool /*commanded*/) noexcept {
   // Its joints carry the tool's weight and feel the soil.
-  const Wrench pull = moveArm(arm_, wanted, scene_.felt().wrench, max_force_n_, tick_s_, tool_);
+  const Wrench pull = moveArm(arm_, wanted, scene_.soilWrench(), max_force_n_, tick_s_, tool_);
   const bool at_force_cap = pull.force_n.norm() >= max_force_n_ * (1 - 1e-9);
   if (!isFinite(tool_)) {
     return {tool_, met_, at_force_cap, true};  // the bed never learns of it
@@ -38,7 +38,7 @@ ArmReading SimulatedArm::move(const HandState& wanted, bool /*commanded*/) noexc
   HandState hand{tool_, wanted.opening};
   hand.pose = lifted(hand.pose, surface_m_);
   const StepStatus status = scene_.tick(hand);
-  met_ = sensor_.read(scene_.felt().wrench, tool_);
+  met_ = sensor_.read(scene_.soilWrench(), tool_);
   return {tool_, met_, at_force_cap,
           status != StepStatus::kOk || !met_.force_n.allFinite() || !met_.torque_nm.allFinite()};
 }

@@ -20,7 +20,7 @@ class SiteCamera {
   /// @param period_s   between two packets.
   SiteCamera(const Bed& bed, double surface_m, double period_s, double tick_s, Work work = Work::kAtOnce);
 
-  /// After each tick of the robot, which has come to command `index`: the packet that is due, without a session.
+  /// After each tick of the robot, which has come to command `index`: the packet that is due, without a connection.
   /// Looking takes some milliseconds, but for a copy beside the caller.
   [[nodiscard]] std::optional<SitePacket> tick(std::uint64_t index);
 
