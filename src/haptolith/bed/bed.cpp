@@ -10,6 +10,7 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/start/bed_start.h"
 #include "haptolith/bed/start/spatial_order.h"
+#include "haptolith/core/assert.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 
@@ -200,6 +201,8 @@ std::vector<Bed::GrainRun> Bed::grainRuns() const {
 }
 
 StepStatus Bed::step(double dt_s) noexcept {
+  HAPTO_ASSERT(dt_s > 0);
+  HAPTO_ASSERT(external_.size() == state_.position.size());
   now_ = constantsFor(dt_s);
   if (stones_.size() > 0 && !pressStones(dt_s)) {
     return StepStatus::kCollapsed;
@@ -272,6 +275,7 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
 }
 
 std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radius_m) noexcept {
+  HAPTO_ASSERT(radius_m >= 0);
   const double reach = radius_m + skin_m_ / 2;  // particles are not further from their places in the grid
   const auto corner = [&](double sign) {
     return Float4{narrow<float>(centre_m.x() + sign * reach), narrow<float>(centre_m.y() + sign * reach),
@@ -309,6 +313,8 @@ void Bed::listNearGroups() noexcept {
 }
 
 void Bed::stepPart(int part, int parts) noexcept {
+  HAPTO_ASSERT(part >= 0 && part < parts);
+  HAPTO_ASSERT(parts_ <= static_cast<int>(moved_of_part_.size()));
   const auto [first, last] = groupsOf(part, parts, wakefulness_.awake().size());
   ContactLists& lists = state_.contacts;
   const StepArrays arrays{.groups = wakefulness_.awake().data(),
@@ -401,6 +407,8 @@ void Bed::setGravity(const Vec3& gravity_m_s2) noexcept {
 }
 
 void Bed::setSoil(const SoilLaws& laws) noexcept {
+  HAPTO_ASSERT(laws.soil.friction == parameters_.soil.friction);
+  HAPTO_ASSERT(laws.soil.radius_m == parameters_.soil.radius_m);
   wakefulness_.wakeAll(state_);
   adjustSoil(laws);
   ++pruning_pass_;  // its contacts may reach further
@@ -413,6 +421,8 @@ void Bed::adjustSoil(const SoilLaws& laws) noexcept {
 }
 
 void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
+  HAPTO_ASSERT(particle < particles());
+  HAPTO_ASSERT(state_.velocity[particle].w != BedState::kHeld);
   driven_ += state_.velocity[particle].w == BedState::kDriven ? 0 : 1;
   wake(particle);
   state_.velocity[particle] = {narrow<float>(velocity_m_s.x()), narrow<float>(velocity_m_s.y()),
@@ -420,12 +430,14 @@ void Bed::drive(std::size_t particle, const Vec3& velocity_m_s) noexcept {
 }
 
 void Bed::release(std::size_t particle) noexcept {
+  HAPTO_ASSERT(particle < particles());
   driven_ -= state_.velocity[particle].w == BedState::kDriven ? 1 : 0;
   wake(particle);
   state_.velocity[particle].w = 0;
 }
 
 void Bed::place(std::size_t particle, const Vec3& position_m) noexcept {
+  HAPTO_ASSERT(particle < particles());
   wake(particle);
   const Float4 place{narrow<float>(position_m.x()), narrow<float>(position_m.y()), narrow<float>(position_m.z()),
                      state_.position[particle].w};
@@ -442,6 +454,7 @@ void Bed::place(std::size_t particle, const Vec3& position_m) noexcept {
 }
 
 bool Bed::hasRoomFor(std::size_t particle, const Vec3& place_m) const noexcept {
+  HAPTO_ASSERT(particle < particles());
   const double radius_m = parameters_.soil.radius_m + static_cast<double>(state_.position[particle].w);
   const double highest_m = grid_height_m_ + 1;
   if (!place_m.allFinite() || std::abs(place_m.x()) > static_cast<double>(box_.half_width) - radius_m ||
@@ -479,15 +492,18 @@ bool Bed::moveGrain(const GrainMove& move) noexcept {
 }
 
 std::uint64_t Bed::hash(std::size_t part, std::size_t parts) const noexcept {
+  HAPTO_ASSERT(part < parts);
   return stonesHash(stones_.state(), stateHash(state_, part, parts));
 }
 
 Vec3 Bed::contactForce(std::size_t particle) const noexcept {
+  HAPTO_ASSERT(particle < particles());
   const Float4& force = contact_force_[particle];
   return {force.x, force.y, force.z};
 }
 
 double Bed::largestSpeed(std::size_t first, std::size_t last) const noexcept {
+  HAPTO_ASSERT(first <= last && last <= particles());
   float largest = 0;
   for (std::size_t i = first; i < last; ++i) {
     if (state_.asleep(i / kGroup)) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -68,6 +69,9 @@ std::uint32_t CellGrid::cellOf(const Float4& position) const noexcept {
 }
 
 void CellGrid::insert(std::int32_t particle, std::uint32_t cell) noexcept {
+  HAPTO_ASSERT(cell < count_.size());
+  HAPTO_ASSERT(particle >= 0 && static_cast<std::size_t>(particle) < spilled_.size());
+  HAPTO_ASSERT(count_[cell] < kCellRoom || spilled_count_ < spilled_.size());
   if (count_[cell] < kCellRoom) {
     particle_[cell * kCellRoom + count_[cell]++] = particle;
   } else {
@@ -76,6 +80,7 @@ void CellGrid::insert(std::int32_t particle, std::uint32_t cell) noexcept {
 }
 
 void CellGrid::remove(std::int32_t particle, std::uint32_t cell) noexcept {
+  HAPTO_ASSERT(cell < count_.size());
   std::int32_t* begin = particle_.data() + cell * kCellRoom;
   std::int32_t* end = begin + count_[cell];
   if (std::int32_t* found = std::find(begin, end, particle); found != end) {
@@ -96,6 +101,7 @@ void CellGrid::clear() noexcept {
 }
 
 std::uint32_t CellGrid::candidates(std::uint32_t cell, std::int32_t* out) const noexcept {
+  HAPTO_ASSERT(cell < count_.size());
   const auto nx = static_cast<std::uint32_t>(nx_);
   const auto ny = static_cast<std::uint32_t>(ny_);
   const Place at{static_cast<int>(cell % nx), static_cast<int>(cell / nx % ny), static_cast<int>(cell / nx / ny)};
@@ -153,6 +159,7 @@ CellSpan within(float middle, float reach, float cells_per_m, int cells, bool wr
 }  // namespace
 
 std::uint32_t CellGrid::candidatesWithin(const Float4& p, float reach_m, std::int32_t* out) const noexcept {
+  HAPTO_ASSERT(reach_m >= 0);
   const CellSpan xs = within(intoBox(p.x - origin_x_m_, periods_.width, periods_.per_width), reach_m, cells_per_m_x_,
                              nx_, periods_.width > 0);
   const CellSpan ys = within(intoBox(p.y - origin_y_m_, periods_.length, periods_.per_length), reach_m, cells_per_m_y_,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -39,11 +40,15 @@ ContactLists::ContactLists(std::size_t particles, bool remembers)
 }
 
 Slip ContactLists::slip(std::size_t i, std::uint32_t s) const noexcept {
+  HAPTO_ASSERT(remembers_);
+  HAPTO_ASSERT(s < count_[i]);
   const float* x = slip_.data() + (first_row_[i / kGroup] + s) * kSlipRow + i % kGroup;
   return {x[0], x[kGroup], x[2 * kGroup]};
 }
 
 void ContactLists::setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noexcept {
+  HAPTO_ASSERT(remembers_);
+  HAPTO_ASSERT(s < kRooms[room_[i / kGroup]]);
   float* x = slipAt(i, s);
   x[0] = slip.x;
   x[kGroup] = slip.y;
@@ -56,6 +61,10 @@ void ContactLists::setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noe
 }
 
 bool ContactLists::add(std::size_t i, std::int32_t j) noexcept {
+  HAPTO_ASSERT(i < particles());
+  HAPTO_ASSERT(j >= 0 && static_cast<std::size_t>(j) < particles());
+  HAPTO_ASSERT(static_cast<std::size_t>(j) != i);
+  HAPTO_ASSERT(count_[i] <= kRooms[room_[i / kGroup]]);
   const std::size_t group = i / kGroup;
   const std::uint16_t s = count_[i];
   if (s == kRooms[room_[group]] && !grow(group)) {
@@ -68,6 +77,8 @@ bool ContactLists::add(std::size_t i, std::int32_t j) noexcept {
 }
 
 void ContactLists::remove(std::size_t i, std::uint32_t s) noexcept {
+  HAPTO_ASSERT(i < particles());
+  HAPTO_ASSERT(s < count_[i]);
   const std::size_t group = i / kGroup;
   const std::uint16_t last = --count_[i];
   other_[slot(i, s)] = other_[slot(i, last)];
@@ -85,15 +96,18 @@ void ContactLists::remove(std::size_t i, std::uint32_t s) noexcept {
 }
 
 std::uint32_t ContactLists::find(std::size_t i, std::int32_t j) const noexcept {
+  HAPTO_ASSERT(i < particles());
   const std::uint32_t count = count_[i];
   std::uint32_t s = 0;
   while (s < count && neighbour(i, s) != j) {
     ++s;
   }
+  HAPTO_ASSERT(s < count);  // lists are symmetric
   return s;
 }
 
 void ContactLists::removeNeighbour(std::size_t i, std::int32_t j) noexcept {
+  HAPTO_ASSERT(i < particles());
   if (const std::uint32_t s = find(i, j); s < count_[i]) {
     remove(i, s);
   }
@@ -112,6 +126,8 @@ void ContactLists::clear() noexcept {
 }
 
 void ContactLists::takeOver(const ContactLists& other) noexcept {
+  HAPTO_ASSERT(other.particles() == particles());
+  HAPTO_ASSERT(other.remembers() == remembers_);
   clear();
   for (std::size_t i = 0; i < particles(); ++i) {
     for (std::uint32_t s = 0; s < other.count(i); ++s) {
@@ -130,6 +146,7 @@ std::size_t ContactLists::bytes() const noexcept {
 }
 
 std::uint32_t ContactLists::takeRows(std::size_t room_class) noexcept {
+  HAPTO_ASSERT(room_class < kRooms.size());
   const std::uint32_t left = free_[room_class];
   const std::size_t room = kRooms[room_class];
   if (left != kNone) {
@@ -151,6 +168,8 @@ std::uint32_t ContactLists::takeRows(std::size_t room_class) noexcept {
 }
 
 bool ContactLists::grow(std::size_t group) noexcept {
+  HAPTO_ASSERT(group < groups());
+  HAPTO_ASSERT(room_[group] < kRooms.size());
   std::size_t room_class = room_[group];
   std::uint32_t to = kNone;
   while (to == kNone && ++room_class < kRooms.size()) {
@@ -174,6 +193,7 @@ bool ContactLists::grow(std::size_t group) noexcept {
 }
 
 void ContactLists::emptyRow(std::size_t row) noexcept {
+  HAPTO_ASSERT((row + 1) * kGroup <= other_.size());
   std::fill_n(other_.begin() + static_cast<std::ptrdiff_t>(row * kGroup), kGroup, ghost_);
   if (remembers_) {
     std::fill_n(slip_.begin() + static_cast<std::ptrdiff_t>(row * kSlipRow), kSlipRow, 0.0F);

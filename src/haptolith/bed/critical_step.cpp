@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "haptolith/bed/grain_classes.h"
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -22,6 +23,7 @@ constexpr double kPaperPhase = 1.0;  // dt * omega; the step is stable up to 2, 
 /// coheres gains 5 % of its energy in 2 s at 0.8, 9 % at 1 and 23 % at 1.3. A hundredth of critical damping takes away
 /// more than that.
 double largestPhase(double damping_ratio) {
+  HAPTO_ASSERT(damping_ratio >= 0);
   return std::min(0.8 + 8 * damping_ratio, 1.2);
 }
 
@@ -44,6 +46,8 @@ double contactStiffness(const SoilParameters& soil) {
 /// The longest step, in s, that is stable, dt^2 stiff + dt damped <= 4, and accurate enough, dt^2 stiff <= phase^2.
 /// @param stiff  largest eigenvalue of the springs over masses, in 1/s^2. @param damped  twice that of dampers, in 1/s.
 double longestStepOf(double stiff, double damped, double phase) {
+  HAPTO_ASSERT(stiff > 0);
+  HAPTO_ASSERT(damped >= 0);
   return std::min((std::sqrt(damped * damped + 16 * stiff) - damped) / (2 * stiff), phase / std::sqrt(stiff));
 }
 
@@ -97,6 +101,8 @@ double stiffestFor(const SoilParameters& soil, double tool_stiffness_n_m, double
 }  // namespace
 
 int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps) {
+  HAPTO_ASSERT(tick_s > 0);
+  HAPTO_ASSERT(max_substeps >= 1);
   const double needed = std::ceil(tick_s * stepsPerSecond(soil, tool_stiffness_n_m));
   if (!(needed <= max_substeps)) {
     const double softest = stiffestFor(soil, tool_stiffness_n_m, max_substeps / tick_s);

@@ -11,6 +11,7 @@
 #include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
 #include "haptolith/bed/kernel/records-inl.h"
+#include "haptolith/core/assert.h"
 // clang-format on
 
 #ifndef HAPTOLITH_NEAR_RULE_
@@ -102,6 +103,7 @@ Neighbourhood::Neighbourhood(std::size_t particles, const NeighbourReach& reach,
 }
 
 std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<Float4>& reference_position) noexcept {
+  HAPTO_ASSERT(particle >= 0 && static_cast<std::size_t>(particle) < reference_position.size());
   const Float4& here = reference_position[static_cast<std::size_t>(particle)];
   const int own = classes_.of(here.w);
   NearRule rule{classes_, reach_m_, beyond_m_};
@@ -125,6 +127,7 @@ std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<F
 }
 
 bool Neighbourhood::buildAll(const std::vector<Float4>& reference_position, ContactLists& lists) noexcept {
+  HAPTO_ASSERT(reference_position.size() == paddedCount(lists.particles()));
   const std::size_t n = lists.particles();
   ++changes_;
   for (CellGrid& grid : grids_) {
@@ -149,6 +152,8 @@ bool Neighbourhood::buildAll(const std::vector<Float4>& reference_position, Cont
 
 void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& reference_position,
                                    ContactLists& lists) noexcept {
+  HAPTO_ASSERT(i < lists.particles());
+  HAPTO_ASSERT(lists.count(i) <= ContactLists::kMostNeighbours);
   struct Entry {
     float nearness;
     std::int32_t other;

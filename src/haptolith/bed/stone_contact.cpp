@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "haptolith/bed/kernel/friction-inl.h"
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -58,6 +59,7 @@ ContactFrictionLaw StoneContactLaw::inKernel() const {
 }
 
 void OverlapOfSpheres::add(const Vec3& apart_m, double radii_m) noexcept {
+  HAPTO_ASSERT(radii_m > 0);
   const double squared = apart_m.squaredNorm();
   if (const double beyond_m = radii_m - nearest_.depth_m;
       squared >= beyond_m * beyond_m && squared >= radii_m * radii_m) {

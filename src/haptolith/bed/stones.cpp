@@ -8,6 +8,7 @@
 
 #include "haptolith/bed/start/bed_tile.h"
 #include "haptolith/bed/stones_internal.h"
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -219,6 +220,7 @@ void Stones::growIn(double short_m) noexcept {
 }
 
 void Stones::begin(double dt_s) noexcept {
+  HAPTO_ASSERT(dt_s > 0);
   dt_s_ = dt_s;
   put_.clear();
 }
@@ -230,6 +232,7 @@ int Stones::parts() const noexcept {
 }
 
 void Stones::press(const SoilAroundStones& soil, int part, int parts) noexcept {
+  HAPTO_ASSERT(part >= 0 && part < parts);
   const auto begin_of = [&](int p) { return size() * static_cast<std::size_t>(p) / static_cast<std::size_t>(parts); };
   for (std::size_t i = begin_of(part); i < begin_of(part + 1); ++i) {
     bodies_[i].contact = {};
@@ -280,6 +283,8 @@ bool Stones::areFinite() const noexcept {
 }
 
 void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  HAPTO_ASSERT(stone < size());
+  HAPTO_ASSERT(dt_s_ > 0);
   Body& body = bodies_[stone];
   Memory& memory = memory_[stone];
   const StoneState& state = state_.stones[stone];
@@ -309,6 +314,7 @@ void Stones::pressSoil(std::size_t stone, const SoilAroundStones& soil) noexcept
 }
 
 void Stones::pressWalls(std::size_t stone) noexcept {
+  HAPTO_ASSERT(stone < size());
   Body& body = bodies_[stone];
   Memory& memory = memory_[stone];
   const StoneShape& shape = *shapes_[stone];
@@ -353,6 +359,7 @@ void Stones::pressWalls(std::size_t stone) noexcept {
 }
 
 void Stones::wakeBesideAnother(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  HAPTO_ASSERT(stone < size());
   memory_[stone].beside_unrest = true;
   if (state_.stones[stone].asleep()) {
     wake(stone);
@@ -362,6 +369,7 @@ void Stones::wakeBesideAnother(std::size_t stone, const SoilAroundStones& soil) 
 }
 
 void Stones::pressStones(std::size_t stone, const SoilAroundStones& soil) noexcept {
+  HAPTO_ASSERT(stone < size());
   Memory& memory = memory_[stone];
   Body& body = bodies_[stone];
   const StoneShape& shape = *shapes_[stone];
@@ -410,6 +418,7 @@ void Stones::takeBackForces(std::vector<Float4>& forces) noexcept {
 }
 
 void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) noexcept {
+  HAPTO_ASSERT(dt_s > 0);
   rest_steps_ = rest.steps;
   double fastest_m_s = 0;
   for (std::size_t i = 0; i < size(); ++i) {
@@ -441,6 +450,8 @@ void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) n
 /// Lie-Poisson integration"): its angular momentum stays in the scene to the last bit, and its energy swings a little
 /// about what it is.
 void Stones::turn(std::size_t stone, double dt_s) noexcept {
+  HAPTO_ASSERT(stone < size());
+  HAPTO_ASSERT(!bodies_[stone].fixed);
   StoneState& state = state_.stones[stone];
   const Body& body = bodies_[stone];
   Quat& q = state.scene_T_stone.orientation;
@@ -458,6 +469,7 @@ void Stones::turn(std::size_t stone, double dt_s) noexcept {
 }
 
 void Stones::noteTurn(std::size_t stone) noexcept {
+  HAPTO_ASSERT(stone < size());
   const StoneState& state = state_.stones[stone];
   Body& body = bodies_[stone];
   body.rotation = state.scene_T_stone.orientation.toRotationMatrix();
@@ -469,6 +481,7 @@ void Stones::noteTurn(std::size_t stone) noexcept {
 }
 
 void Stones::rest(std::size_t stone, const RestRule& rule) noexcept {
+  HAPTO_ASSERT(stone < size());
   StoneState& state = state_.stones[stone];
   const Body& body = bodies_[stone];
   const double reach_m = shapes_[stone]->reach_m;

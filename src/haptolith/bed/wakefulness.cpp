@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -67,6 +68,7 @@ Wakefulness::Wakefulness(std::size_t groups, const RestRule& rule)
 }
 
 void Wakefulness::setOrder(const std::vector<std::uint32_t>& order) noexcept {
+  HAPTO_ASSERT(order.size() == order_.size());
   for (std::size_t place = 0; place < order.size(); ++place) {
     order_[place] = order[place];
     place_in_order_[order[place]] = static_cast<std::uint32_t>(place);
@@ -75,6 +77,7 @@ void Wakefulness::setOrder(const std::vector<std::uint32_t>& order) noexcept {
 }
 
 void Wakefulness::noteAwake(std::size_t group, bool awake) noexcept {
+  HAPTO_ASSERT(group < place_in_order_.size());
   const std::size_t place = place_in_order_[group];
   const std::uint64_t bit = std::uint64_t{1} << (place % kBits);
   std::uint64_t& word = awake_bits_[place / kBits];
@@ -150,6 +153,7 @@ void Wakefulness::wakeBeside(std::span<const std::uint32_t> disturbed, BedState&
 }
 
 void Wakefulness::wakeAround(std::size_t particle, BedState& state) noexcept {
+  HAPTO_ASSERT(particle < state.particles());
   wake(particle / kGroup, state);
   for (std::uint32_t s = 0; s < state.contacts.count(particle); ++s) {
     wake(static_cast<std::size_t>(state.contacts.neighbour(particle, s)) / kGroup, state);
@@ -157,6 +161,7 @@ void Wakefulness::wakeAround(std::size_t particle, BedState& state) noexcept {
 }
 
 void Wakefulness::wake(std::size_t group, BedState& state) noexcept {
+  HAPTO_ASSERT(group < moving_.size());
   if (state.rested[group] != BedState::kAsleep) {
     return;
   }
@@ -192,6 +197,7 @@ void Wakefulness::putToSleep(std::span<const std::uint32_t> ready_to_sleep,
 }
 
 bool Wakefulness::maySleep(std::size_t group, const BedState& state) const noexcept {
+  HAPTO_ASSERT(group < moving_.size());
   const std::size_t last = std::min((group + 1) * kGroup, state.particles());
   for (std::size_t i = group * kGroup; i < last; ++i) {
     const Float4& v = state.velocity[i];
@@ -206,6 +212,8 @@ bool Wakefulness::maySleep(std::size_t group, const BedState& state) const noexc
 }
 
 void Wakefulness::sleep(std::size_t group, const StepState& step) noexcept {
+  HAPTO_ASSERT(rule_.sleep);
+  HAPTO_ASSERT(!step.state.asleep(group));
   BedState& state = step.state;
   for (std::size_t i = group * kGroup; i < (group + 1) * kGroup; ++i) {
     const Float4& v = state.velocity[i];

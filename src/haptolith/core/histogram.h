@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -30,6 +31,7 @@ class Histogram {
 
   /// The value that a share of all values (0 to 1) does not exceed.
   [[nodiscard]] double percentile(double share) const noexcept {
+    HAPTO_ASSERT(share >= 0 && share <= 1);
     const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count_)));
     std::uint64_t seen = 0;
     for (std::size_t bucket = 0; bucket < buckets_.size(); ++bucket) {

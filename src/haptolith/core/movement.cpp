@@ -1,5 +1,6 @@
 #include "haptolith/core/movement.h"
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -12,6 +13,7 @@ Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept {
 }
 
 Vec3 atMost(double largest, const Vec3& v) noexcept {
+  HAPTO_ASSERT(largest >= 0);
   const double norm = v.norm();
   return norm > largest ? Vec3(largest / norm * v) : v;
 }
@@ -22,6 +24,7 @@ Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept {
 }
 
 Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept {
+  HAPTO_ASSERT(tick_s > 0);
   return {to, {(to.position_m - from.position_m) / tick_s, rotationBetween(from.orientation, to.orientation) / tick_s}};
 }
 

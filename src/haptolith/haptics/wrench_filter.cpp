@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/movement.h"
 
@@ -20,6 +21,7 @@ constexpr double kQuick_hz = 6;
 
 /// Share of the way to its input that a first-order low-pass goes in one tick: the step-invariant discretisation.
 double lowPassShare(double cutoff_hz, double tick_s) {
+  HAPTO_ASSERT(cutoff_hz > 0 && tick_s > 0);
   return 1 - std::exp(-2 * std::numbers::pi * cutoff_hz * tick_s);
 }
 
@@ -29,6 +31,7 @@ double checkedShare(double cutoff_hz, double tick_s) {
 }
 
 void approach(Vec3& output, const Vec3& input, double share) noexcept {
+  HAPTO_ASSERT(share > 0 && share <= 1);
   output += share * (input - output);
   if (input.isZero(0) && output.squaredNorm() < kNothing * kNothing) {
     output.setZero();

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -34,6 +35,7 @@ GaussRule computedRule(int count) {
 }  // namespace
 
 const GaussRule& gaussRule(int count) {
+  HAPTO_ASSERT(count >= 1);
   static std::mutex mutex;
   static std::map<int, GaussRule> rules;
   const std::lock_guard lock(mutex);
@@ -45,6 +47,7 @@ const GaussRule& gaussRule(int count) {
 }
 
 GaussDistribution::GaussDistribution(std::span<const double> masses) : coefficients_(masses.size()) {
+  HAPTO_ASSERT(!masses.empty());
   const GaussRule& rule = gaussRule(static_cast<int>(masses.size()));
   double total = 0;
   for (std::size_t i = 0; i < masses.size(); ++i) {
@@ -78,6 +81,7 @@ double GaussDistribution::shareBelow(double place) const noexcept {
 }
 
 double GaussDistribution::percentile(double share) const noexcept {
+  HAPTO_ASSERT(share >= 0 && share <= 1);
   constexpr int kHalvings = 40;
   double low = -1;
   double high = 1;

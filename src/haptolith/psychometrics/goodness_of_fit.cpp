@@ -11,6 +11,7 @@
 #include <limits>
 #include <numeric>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/core/random.h"
@@ -55,6 +56,8 @@ double uniform(std::mt19937_64& random) {
 
 /// Answer by answer: each makes the next one like it more probable (Polya's urn). @param s  eta^2.
 double drawnOneByOne(double n, double psi, double s, std::mt19937_64& random) {
+  HAPTO_ASSERT(psi >= 0 && psi <= 1);
+  HAPTO_ASSERT(n >= 0);
   double positive = 0;
   for (double trial = 0; trial < n; ++trial) {
     const double share = (psi * (1 - s) + positive * s) / (1 - s + trial * s);
@@ -65,6 +68,8 @@ double drawnOneByOne(double n, double psi, double s, std::mt19937_64& random) {
 
 /// The same at once: a binomial number of a probability that is itself drawn from a Beta distribution.
 double drawnAtOnce(double n, double psi, double s, std::mt19937_64& random) {
+  HAPTO_ASSERT(psi >= 0 && psi <= 1);
+  HAPTO_ASSERT(n >= 0);
   double share = psi;
   if (s >= kBinomial && psi > 0 && psi < 1) {
     const double nu = 1 / s - 1;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -33,11 +34,14 @@ double logPower(double count, double share) noexcept {
 }
 
 double logBinomial(double k, double n, double psi) noexcept {
+  HAPTO_ASSERT(k >= 0 && k <= n);
   return logPower(k, psi) + logPower(n - k, 1 - psi);
 }
 
 /// The same by gamma functions, for answers so many that their product takes longer.
 double logBetaBinomial(double k, double n, double psi, double s) noexcept {
+  HAPTO_ASSERT(k >= 0 && k <= n);
+  HAPTO_ASSERT(s > 0);
   const double nu = 1 / s - 1;
   const auto rise = [](double from, double count) { return std::lgamma(from + count) - std::lgamma(from); };
   return (k > 0 ? rise(psi * nu, k) : 0) + (n - k > 0 ? rise((1 - psi) * nu, n - k) : 0) - rise(nu, n);
@@ -57,6 +61,7 @@ constexpr double kMany = 60;
 }  // namespace
 
 double logLikelihood(double k, double n, double psi, double eta) noexcept {
+  HAPTO_ASSERT(k >= 0 && k <= n);
   const double s = eta * eta;
   if (s == 0 || (n > kMany && s < kBinomial)) {
     return logBinomial(k, n, psi);

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 #include "haptolith/psychometrics/likelihood.h"
 
@@ -25,6 +26,7 @@ constexpr double kWeberBeta = 60;  // of the rates of weber sigmoids, chosen by 
 
 /// Falls from 1 to 0 as a cosine while `share` goes from 0 to 1.
 double cosineFall(double share) noexcept {
+  HAPTO_ASSERT(share >= 0 && share <= 1);
   return (1 + std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0))) / 2;
 }
 
@@ -162,6 +164,7 @@ PsychometricFunction Model::functionAt(const ParameterPoint& point) const noexce
 }
 
 double Model::logPrior(int parameter, double value) const noexcept {
+  HAPTO_ASSERT(parameter >= 0 && parameter < kParameters);
   const Support& support = supports_[parameter];
   if (support.isFixed()) {
     return 0;

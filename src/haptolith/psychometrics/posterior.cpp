@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/psychometrics/gauss_rule.h"
 #include "haptolith/psychometrics/likelihood.h"
 #include "haptolith/psychometrics/optimum.h"
@@ -52,6 +53,7 @@ bool isLogarithmic(const Model& model, int parameter) {
 }
 
 double between(const GridAxis& axis, double share) {
+  HAPTO_ASSERT(share >= 0 && share <= 1);
   const auto& [low, high] = axis.range;
   return axis.logarithmic ? low * std::pow(high / low, share) : low + (high - low) * share;
 }
@@ -379,6 +381,7 @@ std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count) {
 }
 
 ParameterPoint pointOf(const Posterior& posterior, std::size_t index) {
+  HAPTO_ASSERT(index < posterior.mass.size());
   ParameterPoint point;
   for (int i = kParameters - 1; i >= 0; --i) {
     const std::size_t size = posterior.axes[i].values.size();
@@ -389,6 +392,8 @@ ParameterPoint pointOf(const Posterior& posterior, std::size_t index) {
 }
 
 Interval credibleInterval(const Posterior& posterior, int parameter, double confidence) {
+  HAPTO_ASSERT(confidence > 0 && confidence < 1);
+  HAPTO_ASSERT(parameter >= 0 && parameter < kParameters);
   const GridAxis& axis = posterior.axes[parameter];
   if (axis.range.isFixed()) {
     return {axis.range.low, axis.range.high};
@@ -399,6 +404,8 @@ Interval credibleInterval(const Posterior& posterior, int parameter, double conf
 }
 
 Interval percentileInterval(std::vector<WeightedValue> values, double confidence) {
+  HAPTO_ASSERT(confidence > 0 && confidence < 1);
+  HAPTO_ASSERT(!values.empty());
   std::ranges::sort(values, {}, &WeightedValue::value);
   std::vector<WeightedValue> distinct;
   double total = 0;
@@ -429,6 +436,7 @@ Interval percentileInterval(std::vector<WeightedValue> values, double confidence
 }
 
 std::vector<ParameterPoint> drawsOf(const Posterior& posterior, int count) {
+  HAPTO_ASSERT(count > 0);
   std::vector<ParameterPoint> draws;
   double cumulated = 0;
   for (std::size_t i = 0; i < posterior.mass.size(); ++i) {

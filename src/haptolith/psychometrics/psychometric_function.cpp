@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -57,6 +58,7 @@ double weberOfSigma(Sigmoid sigmoid, double sigma) noexcept {
 
 /// The inverse of standardSigmoid().
 double standardPlace(Sigmoid sigmoid, double share) {
+  HAPTO_ASSERT(share > 0 && share < 1);
   switch (sigmoid) {
     case Sigmoid::kLogistic: return std::log(share / (1 - share)) / logisticWidth();
     case Sigmoid::kWeibull:

@@ -7,6 +7,8 @@
 #include <cstdint>
 
 #include "haptolith/bed/critical_step.h"
+#include "haptolith/bed/measure/bed_check.h"
+#include "haptolith/core/assert.h"
 #include "haptolith/core/interpolate.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -18,6 +20,7 @@ namespace {
 
 /// A tool that is only partly there.
 ToolParameters faded(ToolParameters tool, double fade) noexcept {
+  HAPTO_ASSERT(fade >= 0 && fade <= 1);
   tool.stiffness_n_m *= fade;  // and with it damping, friction, and the paper's adhesion
   tool.adhesion_n *= fade;
   return tool;
@@ -95,6 +98,9 @@ bool Scene::moveGrain(const GrainMove& move) noexcept {
 }
 
 StepStatus Scene::tick(const HandState& hand) noexcept {
+  HAPTO_ASSERT(substeps_ >= 1);
+  HAPTO_ASSERT(tool_fade_ >= 0 && tool_fade_ <= 1);
+  HAPTO_ASSERT(opening_ >= 0 && opening_ <= 1);
   if (!isSomewhere(hand)) {
     soil_force_ = {};
     stiffness_n_m_.setZero();
@@ -121,6 +127,10 @@ StepStatus Scene::tick(const HandState& hand) noexcept {
     stiffness_n_m_ = now.stiffness_n_m;
     status = bed_.step(dt);
   }
+  constexpr std::uint64_t kStepsPerCheck = 512;  // of debug and sanitizer builds: a check takes as long as some steps
+  HAPTO_ASSERT(status != StepStatus::kOk ||
+               bed_.state().step % kStepsPerCheck >= static_cast<std::uint64_t>(substeps_) ||
+               inconsistency(bed_.state()).empty());
   tool_pose_ = hand.pose;
   opening_m_ = opening_to_m;
   soil_force_ = {{sum.force_n / substeps_, sum.torque_nm / substeps_}, grip_n / substeps_};

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -24,6 +25,7 @@ JawShell::JawShell(const ToolParameters& tool, int side) noexcept
 }
 
 JawShell::Place JawShell::flattened(const Vec3& tool_m) const noexcept {
+  HAPTO_ASSERT(side_ == -1 || side_ == 1);
   if (bend_rad_ == 0) {
     return {Vec3(tool_m.z(), tool_m.y(), tool_m.x() - end_x_m_), 1, 0};
   }
@@ -52,6 +54,7 @@ Vec3 JawShell::bent(const Vec3& flat, const Place& place) const noexcept {
 }
 
 Vec3 JawShell::onTool(const Vec3& flat_m) const noexcept {
+  HAPTO_ASSERT(bend_rad_ == 0 || radius_m_ > 0);
   if (bend_rad_ == 0) {
     return {end_x_m_ + flat_m.z(), flat_m.y(), flat_m.x()};
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -27,6 +28,8 @@ constexpr double kSameSide = 0.2;
 
 /// Where the body ends from `from_m` along a unit vector, inside it or behind it; none within `longest_m`.
 std::optional<Vec3> wayOut(const DistanceField& field, const Vec3& from_m, const Vec3& along, double longest_m) {
+  HAPTO_ASSERT(field.spacing() > 0);
+  HAPTO_ASSERT(longest_m >= 0);
   const double shortest_m = field.spacing() / 2;
   bool inside = false;
   double before_m = 0, distance_before_m = 0;
@@ -49,6 +52,7 @@ std::optional<Vec3> wayOut(const DistanceField& field, const Vec3& from_m, const
 
 /// Whether the body is still there on the other side of a point outside it: against a unit vector, within `longest_m`.
 bool isStillBehind(const DistanceField& field, const Vec3& from_m, const Vec3& along, double longest_m) {
+  HAPTO_ASSERT(field.spacing() > 0);
   const double shortest_m = field.spacing() / 2;
   for (double way_m = 0; way_m <= longest_m;) {
     const double distance_m = field.at(from_m - way_m * along).distance_m;
@@ -94,6 +98,7 @@ int directionCode(const Vec3& direction) noexcept {
 }
 
 Vec3 directionOf(int code) noexcept {
+  HAPTO_ASSERT(code >= 1 && code <= kDirections * kDirections);
   const auto along = [](int step) { return 2.0 * step / (kDirections - 1) - 1; };
   const double u = along((code - 1) / kDirections), v = along((code - 1) % kDirections);
   const double z = 1 - std::abs(u) - std::abs(v);

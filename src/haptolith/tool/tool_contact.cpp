@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "haptolith/bed/kernel/friction-inl.h"
+#include "haptolith/core/assert.h"
 #include "haptolith/tool/tool_box.h"
 #include "haptolith/tool/tool_shape.h"
 
@@ -82,6 +83,8 @@ class FrictionalTool {
 
   /// @param slip_m  how far the particle has slid along the tool so far, scene frame; read and written.
   Answer meet(const Meeting& meeting, Vec3& slip_m) const noexcept {
+    HAPTO_ASSERT(stiffness_ > 0 && tangential_stiffness_ > 0);
+    HAPTO_ASSERT(friction_.dt > 0);
     const Vec3& n = meeting.outward;
     if (meeting.depth_m <= -reach_m_) {
       slip_m.setZero();
@@ -125,6 +128,7 @@ class FrictionalTool {
 };
 
 Answer paperAnswer(const ToolParameters& tool, double radius_m, double dt_s, const Meeting& meeting) noexcept {
+  HAPTO_ASSERT(radius_m > 0 && dt_s > 0);
   const double tool_speed = meeting.outward.dot(meeting.tool_m_s);
   const double closing = tool_speed - meeting.outward.dot(meeting.particle_m_s);
   const double push = toolForce(tool, radius_m, dt_s, meeting.depth_m, closing);
@@ -158,9 +162,11 @@ class Tangents {
 
 /// What one of two jaws remembers of a particle's slip, tool frame: see ToolMemory.
 Vec3 slipAlong(const Float4& kept, std::size_t jaw, const Vec3& normal) {
+  HAPTO_ASSERT(jaw < 2);
   return Tangents(normal).along(jaw == 0 ? Eigen::Vector2d(kept.x, kept.y) : Eigen::Vector2d(kept.z, kept.w));
 }
 void keepSlip(Float4& kept, std::size_t jaw, const Vec3& normal, const Vec3& slip_m) {
+  HAPTO_ASSERT(jaw < 2);
   const Eigen::Vector2f slid = Tangents(normal).of(slip_m).cast<float>();
   (jaw == 0 ? kept.x : kept.z) = slid.x();
   (jaw == 0 ? kept.y : kept.w) = slid.y();
@@ -206,6 +212,10 @@ class Encounter {
   /// contact reaches is not looked at more closely: it has let go of the tool, and forgets it.
   void meet(std::size_t first, std::size_t last, const BedState& state, const ToolMemory& memory,
             std::vector<Float4>& forces) noexcept {
+    HAPTO_ASSERT(first % kGroup == 0 && first < last && last <= first + kGroup);
+    HAPTO_ASSERT(last <= state.particles());
+    HAPTO_ASSERT(forces.size() >= last && memory.side.size() >= last);
+    HAPTO_ASSERT(!contact_friction_ || memory.slip.size() >= last);
     const std::uint32_t near = nearBox(box_, around_m_, state.position.data() + first);
     if (near == 0 && isForgotten(first, last, memory, forces)) {
       return;  // what is written is taken from the caches of the threads that step the bed
@@ -251,6 +261,8 @@ class Encounter {
 
   /// Force on one particle within reach.
   Float4 meet(std::size_t i, const BedState& state, const ToolMemory& memory) noexcept {
+    HAPTO_ASSERT(i < state.particles());
+    HAPTO_ASSERT(!state.isHeld(i));
     const Float4& p = state.position[i];
     const Float4& v = state.velocity[i];
     const Grain grain{.lever_m = Vec3(p.x, p.y, p.z) - pose_.position_m,
@@ -263,6 +275,7 @@ class Encounter {
 
   /// Forces on one stone.
   void meet(Stones& stones, std::size_t stone) noexcept {
+    HAPTO_ASSERT(stone < stones.size());
     const Vec3 middle_m = stones.pose(stone).position_m;
     const Twist twist = stones.twist(stone);
     const std::span<StoneToolMemory> memory = stones.toolMemory(stone);

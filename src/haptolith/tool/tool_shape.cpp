@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/tool/jaw_shell.h"
 #include "haptolith/tool/mesh_contact.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -19,6 +20,7 @@ struct Outline {
 };
 
 Outline boxOutline(const Vec3& half_m, const Vec3& centre_m) {
+  HAPTO_ASSERT((half_m.array() > 0).all());
   Outline outline;
   const Vec3 to_rim = half_m - centre_m.cwiseAbs();
   const int axis = to_rim.x() < to_rim.y() ? 0 : 1;
@@ -30,6 +32,7 @@ Outline boxOutline(const Vec3& half_m, const Vec3& centre_m) {
 }
 
 Outline discOutline(double radius_m, const Vec3& centre_m) {
+  HAPTO_ASSERT(radius_m > 0);
   const double from_axis = std::hypot(centre_m.x(), centre_m.y());
   Outline outline;
   outline.inside_m = radius_m - from_axis;
@@ -40,6 +43,7 @@ Outline discOutline(double radius_m, const Vec3& centre_m) {
 }
 
 Penetration sphere(double tool_radius_m, const Vec3& centre_m, double radius_m) {
+  HAPTO_ASSERT(tool_radius_m > 0 && radius_m > 0);
   const double distance = centre_m.norm();
   return {.depth_m = tool_radius_m + radius_m - distance,
           .outward = distance > 0 ? Vec3(centre_m / distance) : Vec3::UnitZ(),
@@ -49,6 +53,8 @@ Penetration sphere(double tool_radius_m, const Vec3& centre_m, double radius_m) 
 /// A shaft with a pointed end, thicker than a particle is deep: the nearest point of its side decides. Seen in the
 /// plane through the axis and the centre, the side is a segment from the point to the base's rim and one up the shaft.
 Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius_m) {
+  HAPTO_ASSERT(tool.cone_angle_rad > 0);
+  HAPTO_ASSERT(tool.diameter_m > 0);
   const double rim = tool.diameter_m / 2;
   const double half_angle = tool.cone_angle_rad / 2;
   const double height = rim / std::tan(half_angle);
@@ -73,6 +79,8 @@ Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius
 
 /// The wall is a cylinder that is `thickness_m` thick and rounded at its ends.
 Penetration tube(const ToolParameters& tool, const Vec3& centre_m, double radius_m) {
+  HAPTO_ASSERT(tool.thickness_m > 0);
+  HAPTO_ASSERT(tool.diameter_m > 0);
   const double from_axis = std::hypot(centre_m.x(), centre_m.y());
   const Vec3 radial = from_axis > 0 ? Vec3(centre_m.x() / from_axis, centre_m.y() / from_axis, 0) : Vec3::UnitX();
   Vec3 in_wall = tool.diameter_m / 2 * radial;
@@ -86,6 +94,7 @@ Penetration tube(const ToolParameters& tool, const Vec3& centre_m, double radius
 
 /// Beside the tool: the nearest point of a rim or an edge decides, which is never in doubt there.
 Penetration beside(const Outline& outline, double half_height_m, const Vec3& centre_m, double radius_m) {
+  HAPTO_ASSERT(half_height_m > 0);
   Vec3 nearest = outline.nearest_m;
   nearest.z() = std::clamp(centre_m.z(), -half_height_m, half_height_m);
   const Vec3 away = centre_m - nearest;
@@ -100,6 +109,8 @@ Penetration beside(const Outline& outline, double half_height_m, const Vec3& cen
 
 /// Over, under or inside the tool: measured from the face the particle came to.
 Penetration overFace(const Outline& outline, double half_height_m, const Vec3& centre_m, double radius_m, int side) {
+  HAPTO_ASSERT(side >= -1 && side <= 1);
+  HAPTO_ASSERT(half_height_m > 0);
   const double below_other_face = -side * centre_m.z() - half_height_m;
   const bool passed_through = side != 0 && below_other_face > radius_m;
   if (side == 0 || passed_through) {
@@ -116,15 +127,19 @@ Penetration overFace(const Outline& outline, double half_height_m, const Vec3& c
 
 /// Two sides, each -1, 0 or 1, as one number from -4 to 4; 0 for neither side.
 std::int8_t packed(const std::array<int, 2>& sides) {
+  HAPTO_ASSERT(sides[0] >= -1 && sides[0] <= 1);
+  HAPTO_ASSERT(sides[1] >= -1 && sides[1] <= 1);
   return static_cast<std::int8_t>(sides[0] + 3 * sides[1]);
 }
 std::array<int, 2> sidesOf(std::int8_t packed) {
+  HAPTO_ASSERT(packed >= -4 && packed <= 4);
   const int right = (packed + 4) / 3 - 1;
   return {packed - 3 * right, right};
 }
 
 /// Sets the shares of two contacts: see jawContacts().
 void share(JawContacts& contacts, const ToolParameters& tool, double radius_m) {
+  HAPTO_ASSERT(tool.opening_m >= 0);
   const bool right_deeper = contacts.jaws[1].found.depth_m > contacts.jaws[0].found.depth_m;
   JawContact& deeper = contacts.jaws[right_deeper ? 1 : 0];
   JawContact& other = contacts.jaws[right_deeper ? 0 : 1];
@@ -145,6 +160,8 @@ void share(JawContacts& contacts, const ToolParameters& tool, double radius_m) {
 }  // namespace
 
 Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double radius_m, int side) noexcept {
+  HAPTO_ASSERT(tool.shape != ToolShape::kMesh || tool.mesh != nullptr);
+  HAPTO_ASSERT(radius_m > 0);
   const auto faced = [&](const Outline& outline, double half_height_m) {
     Penetration found = outline.inside_m < 0 ? beside(outline, half_height_m, centre_m, radius_m)
                                              : overFace(outline, half_height_m, centre_m, radius_m, side);
@@ -168,6 +185,7 @@ Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double
 }
 
 JawContacts jawContacts(const ToolParameters& tool, const Vec3& centre_m, double radius_m, std::int8_t sides) noexcept {
+  HAPTO_ASSERT(tool.shape == ToolShape::kJaws);
   ToolParameters jaw = tool;
   jaw.shape = ToolShape::kBox;
   const std::array<int, 2> before = sidesOf(sides);

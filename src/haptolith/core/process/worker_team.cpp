@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/clock.h"
 
 namespace haptolith {
@@ -81,6 +82,7 @@ bool WorkerTeam::worksAlone() const noexcept {
 }
 
 void WorkerTeam::expect(std::int64_t within_ns) noexcept {
+  HAPTO_ASSERT(within_ns >= 0);
   if (ranges_.size() == 1 || worksAlone()) {
     return;
   }
@@ -90,6 +92,8 @@ void WorkerTeam::expect(std::int64_t within_ns) noexcept {
 }
 
 void WorkerTeam::run(Work work, void* context, int parts) noexcept {
+  HAPTO_ASSERT(work != nullptr);
+  HAPTO_ASSERT(parts >= 1 && parts <= static_cast<int>(kPartMask));
   if (ranges_.size() == 1 || parts == 1 || worksAlone()) {
     for (int part = 0; part < parts; ++part) {
       work(context, part, parts);
@@ -127,6 +131,7 @@ void WorkerTeam::run(Work work, void* context, int parts) noexcept {
 }
 
 void WorkerTeam::workOn(std::uint32_t round, std::size_t own) noexcept {
+  HAPTO_ASSERT(own < ranges_.size());
   for (std::size_t turn = 0; turn < ranges_.size(); ++turn) {
     std::atomic<std::uint64_t>& ticket = ranges_[(own + turn) % ranges_.size()].ticket;
     std::uint64_t seen = ticket.load(std::memory_order_acquire);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -118,6 +119,7 @@ std::optional<Grip> gripOf(Manoeuvre manoeuvre) {
 
 /// Minimum-jerk course from 0 to 1.
 double minimumJerk(double s) {
+  HAPTO_ASSERT(s >= 0 && s <= 1);
   return s * s * s * (10 - s * (15 - 6 * s));
 }
 
@@ -148,6 +150,7 @@ KeyPose interpolate(std::span<const KeyPose> table, double share, const HandPara
 
 /// How much of the period is over.
 double shareOfPeriod(const HandParameters& hand, double time_s) {
+  HAPTO_ASSERT(hand.period_s > 0);
   const double last_end_s = std::ceil(hand.active_s / hand.period_s) * hand.period_s;
   return time_s < last_end_s ? std::fmod(time_s, hand.period_s) / hand.period_s : 0;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "haptolith/core/assert.h"
 
 namespace haptolith {
 
@@ -81,6 +82,10 @@ SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
 
 void LoopTelemetry::copyGroups(SceneSnapshot& snapshot, const Scene& scene, std::size_t first_group,
                                std::size_t last_group) noexcept {
+  HAPTO_ASSERT(first_group <= last_group && last_group <= scene.bed().state().rested.size());
+  HAPTO_ASSERT(snapshot.position.size() >= scene.bed().particles());
+  HAPTO_ASSERT(snapshot.asleep.size() >= last_group);
+  HAPTO_ASSERT(snapshot.stones.size() == scene.bed().stones().size());
   const Bed& bed = scene.bed();
   const std::size_t first = first_group * kGroup;
   const std::size_t last = std::min(last_group * kGroup, bed.particles());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/movement.h"
 
 namespace haptolith {
@@ -62,6 +63,7 @@ double power(const Wrench& wrench, const Twist& twist) noexcept {
 
 /// The damper that takes `excess_j` out of this movement within a tick, or as much as it may.
 Wrench damper(double excess_j, const Twist& twist, double strongest_n_s_m, double tick_s) noexcept {
+  HAPTO_ASSERT(tick_s > 0);
   const double speed_squared = squaredSpeed(twist);
   if (excess_j <= 0 || speed_squared == 0) {
     return {};
@@ -130,6 +132,7 @@ double Passivity::deadBand(const Vec3& position_m) noexcept {
 }
 
 void Passivity::count(Account& account) noexcept {
+  HAPTO_ASSERT(account.delay < sent_.size());
   const Wrench& held = sent_[(calls_ + sent_.size() - 1 - account.delay) % sent_.size()];
   const Vec3 quick_n = account.quick_force.step(held.force_n);
   const Vec3 quick_nm = account.quick_torque.step(held.torque_nm);
@@ -204,10 +207,12 @@ double Passivity::quickInjected() const noexcept {
 }
 
 double Passivity::softening() const noexcept {
+  HAPTO_ASSERT(shaken_j_ >= 0);
   return 1 / (1 + shaken_j_ / kShakingHalves_j);
 }
 
 double Passivity::affordable(const Wrench& wrench) noexcept {
+  HAPTO_ASSERT(delay_ < sent_.size());
   const double late_s = static_cast<double>(delay_) * tick_s_;
   const double asked_n =
       std::sqrt(wrench.force_n.squaredNorm() + wrench.torque_nm.squaredNorm() / (kLever_m * kLever_m));

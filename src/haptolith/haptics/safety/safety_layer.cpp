@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/haptics/tick_record.h"
 #include "haptolith/haptics/wrench_filter.h"
 
@@ -26,6 +27,7 @@ bool isFinite(const DeviceOutput& output) noexcept {
 
 /// From `from` towards `to`, but no further than `furthest`.
 Vec3 stepTowards(const Vec3& from, const Vec3& to, double furthest) noexcept {
+  HAPTO_ASSERT(furthest >= 0);
   const Vec3 way = to - from;
   const double length = way.norm();
   return length > furthest ? Vec3(from + way * (furthest / length)) : to;
@@ -33,6 +35,7 @@ Vec3 stepTowards(const Vec3& from, const Vec3& to, double furthest) noexcept {
 
 /// An s-curve: without a kink at either end.
 double smooth(double share) noexcept {
+  HAPTO_ASSERT(share >= 0 && share <= 1);
   return share * share * (3 - 2 * share);
 }
 

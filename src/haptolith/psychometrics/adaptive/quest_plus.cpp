@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -25,6 +26,8 @@ double entropyTerm(double p) noexcept {
 }
 
 std::vector<double> spaced(double low, double high, int count) {
+  HAPTO_ASSERT(count > 0);
+  HAPTO_ASSERT(low <= high);
   std::vector<double> values(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     values[i] = low + (high - low) * i / (count - 1);
@@ -93,6 +96,8 @@ void requireOptions(const QuestPlusOptions& options) {
 /// The value below which a share of the mass lies, when the mass at each of `values` (ascending) is spread evenly
 /// halfway to its neighbours, and as far outwards at the ends.
 double quantile(const std::vector<std::pair<double, double>>& masses, double share) {
+  HAPTO_ASSERT(share >= 0 && share <= 1);
+  HAPTO_ASSERT(!masses.empty());
   double below = 0;
   for (std::size_t i = 0; i < masses.size(); ++i) {
     const auto& [value, mass] = masses[i];
@@ -112,6 +117,8 @@ double quantile(const std::vector<std::pair<double, double>>& masses, double sha
 /// Median and interval of what `place` says of each hypothesis.
 template <class Place>
 Estimate marginal(const std::vector<Hypothesis>& hypotheses, double confidence, Place place) {
+  HAPTO_ASSERT(confidence > 0 && confidence < 1);
+  HAPTO_ASSERT(!hypotheses.empty());
   requireInRange("confidence", confidence, {0, 1, Ends::kOpen});
   std::map<double, double> sums;
   for (const auto& [function, probability] : hypotheses) {

@@ -14,6 +14,7 @@
 #include <random>
 #include <string_view>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -54,6 +55,7 @@ void requireOptions(const StaircaseOptions& options) {
 /// The probability of a right answer at which steps on and back are equally likely: that `down` right ones in a row
 /// come before `up` wrong ones in a row (Feller 1968, An Introduction to Probability Theory, section VIII.1).
 double settledShare(int down, int up) {
+  HAPTO_ASSERT(down >= 1 && up >= 1);
   const auto excess = [&](double p) {
     const double on = std::pow(p, down - 1);
     const double back = std::pow(1 - p, up - 1);
