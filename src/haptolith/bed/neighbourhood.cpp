@@ -10,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "haptolith/bed/neighbourhood.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
-#include "haptolith/bed/kernel/records-inl.h"
+#include "haptolith/bed/kernel/float4_vectors-inl.h"
 #include "haptolith/core/assert.h"
 // clang-format on
 
@@ -53,7 +53,7 @@ std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& peri
   const V per_length = hn::Set(d, periods.per_length);
   std::uint32_t found = 0;
   for (std::uint32_t n = 0; n < count; n += static_cast<std::uint32_t>(hn::Lanes(d))) {
-    const Records other = loadRecords(place, candidates + n);
+    const Float4Vectors other = gatherFloat4(place, candidates + n);
     const V dx = nearestImage<kPeriodic>(x - other.x, width, per_width);
     const V dy = nearestImage<kPeriodic>(y - other.y, length, per_length);
     const V dz = z - other.z;

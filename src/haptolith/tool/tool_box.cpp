@@ -7,7 +7,7 @@
 #define HWY_TARGET_INCLUDE "haptolith/tool/tool_box.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
-#include "haptolith/bed/kernel/records-inl.h"
+#include "haptolith/bed/kernel/float4_vectors-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -17,7 +17,7 @@ std::uint32_t nearBoxOf(const ToolBox& box, float reach_m, const Float4* group) 
   const D d;
   std::uint32_t near = 0;
   for (std::size_t in_group = 0; in_group < kGroup; in_group += hn::Lanes(d)) {
-    const Records centre = loadInOrder(group + in_group);
+    const Float4Vectors centre = loadFloat4(group + in_group);
     const V x = centre.x - hn::Set(d, box.origin_m[0]);
     const V y = centre.y - hn::Set(d, box.origin_m[1]);
     const V z = centre.z - hn::Set(d, box.origin_m[2]);

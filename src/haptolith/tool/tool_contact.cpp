@@ -41,7 +41,7 @@ namespace {
 
 namespace law = HWY_NAMESPACE;
 
-Float4 record(const Vec3& v) noexcept {
+Float4 float4(const Vec3& v) noexcept {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
 }
 
@@ -319,14 +319,14 @@ class Encounter {
     const Touch touch = touchOf(contact, grain);
     const Answer answer = answerTo(touch, twist_.at(touch.point_m), grain, slip);
     if (kept != nullptr) {
-      *kept = record(rotation_.transpose() * slip);
+      *kept = float4(rotation_.transpose() * slip);
     }
     if (answer.on_particle_n.isZero(0)) {
       return {};
     }
     feel(answer, touch.point_m);
     also(answer, touch.point_m);
-    return record(answer.on_particle_n);
+    return float4(answer.on_particle_n);
   }
 
   /// Where and how it touches, scene frame.
@@ -377,7 +377,7 @@ class Encounter {
       reaction_.grip_n -= answer.on_particle_n.dot(away);
       on_particle_n += answer.on_particle_n;
     }
-    return record(on_particle_n);
+    return float4(on_particle_n);
   }
 
   const ToolParameters& tool_;

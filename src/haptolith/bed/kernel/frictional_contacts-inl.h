@@ -30,7 +30,7 @@ namespace haptolith::HWY_NAMESPACE {
 /// A vector of particles on its way through the rows of its group.
 struct Group {
   Rows rows;
-  const Records &here, &velocity;
+  const Float4Vectors &here, &velocity;
   const Lanes& at;
   std::size_t last_touched;  ///< found out when pruning
   Sums sums;
@@ -122,7 +122,7 @@ struct PairLaw {
   template <bool kGraded>
   HWY_INLINE PairMotion relativeMotion(Group& group, std::size_t row, const PairGeometry& pair) const {
     const D d;
-    const Records u = group.rows.velocities(row);
+    const Float4Vectors u = group.rows.velocities(row);
     group.rows.prefetchNextSlips(row);
     const PairDistance distance = distanceIn<kGraded>(pair);
     if (group.at.pruning != nullptr) {
@@ -350,7 +350,7 @@ class RowLaws {
 
 template <bool kPeriodic>
 HWY_INLINE PairGeometry gather(const Group& group, const PeriodsOf& periods, std::size_t row) {
-  const Records there = group.rows.positions(row);
+  const Float4Vectors there = group.rows.positions(row);
   group.rows.prefetchNextNeighbours(row);
   return {separationOf<kPeriodic>(periods, group.here, there), group.here.w + there.w, there.w};
 }
@@ -359,7 +359,7 @@ HWY_INLINE PairGeometry gather(const Group& group, const PeriodsOf& periods, std
 /// what limits friction.
 template <bool kGraded, bool kPeriodic, bool kCompression>
 HWY_INLINE Sums frictionalSums(const GroupLaws& laws, const PeriodsOf& periods, const StepArrays& arrays,
-                               const Lanes& at, const Records& here, const Records& v) {
+                               const Lanes& at, const Float4Vectors& here, const Float4Vectors& v) {
   const D d;
   const V zero = hn::Zero(d);
   Group group{Rows(arrays, at), here, v, at, 0, {zero, zero, zero, zero, zero}};

@@ -28,7 +28,7 @@ struct PaperContacts {
   /// (paper 19) over all neighbours. While one row's forces are worked out, the next row's particles are fetched
   /// already: either alone is a long chain in which each step waits for the one before.
   template <bool kPeriodic>
-  HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Records& here) const {
+  HWY_INLINE Sums sum(const StepArrays& arrays, const Lanes& at, const Float4Vectors& here) const {
     const V zero = hn::Zero(D());
     const V one = set(1);
     Sums sums{zero, zero, zero, zero, zero};

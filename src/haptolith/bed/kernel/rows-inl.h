@@ -11,7 +11,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include "haptolith/bed/kernel/records-inl.h"
+#include "haptolith/bed/kernel/float4_vectors-inl.h"
 #include "haptolith/bed/kernel/step_arrays.h"
 #include "haptolith/soil/contact_law-inl.h"
 
@@ -43,11 +43,11 @@ class Rows {
         velocity_(arrays.velocity) {}
 
   /// Records of a row's neighbours.
-  [[nodiscard]] HWY_INLINE Records positions(std::size_t row) const {
-    return loadRecords(position_, other_ + row * kGroup);
+  [[nodiscard]] HWY_INLINE Float4Vectors positions(std::size_t row) const {
+    return gatherFloat4(position_, other_ + row * kGroup);
   }
-  [[nodiscard]] HWY_INLINE Records velocities(std::size_t row) const {
-    return loadRecords(velocity_, other_ + row * kGroup);
+  [[nodiscard]] HWY_INLINE Float4Vectors velocities(std::size_t row) const {
+    return gatherFloat4(velocity_, other_ + row * kGroup);
   }
   /// x of a row; y and z stand kGroup and 2 kGroup behind.
   [[nodiscard]] HWY_INLINE float* slips(std::size_t row) const { return slip_ + row * 3 * kGroup; }
@@ -123,7 +123,7 @@ struct Separation {
   V x, y, z, squared;
 };
 template <bool kPeriodic>
-HWY_INLINE Separation separationOf(const PeriodsOf& periods, const Records& here, const Records& other) {
+HWY_INLINE Separation separationOf(const PeriodsOf& periods, const Float4Vectors& here, const Float4Vectors& other) {
   const V x = nearestImage<kPeriodic>(here.x - other.x, periods.width, periods.per_width);
   const V y = nearestImage<kPeriodic>(here.y - other.y, periods.length, periods.per_length);
   const V z = here.z - other.z;

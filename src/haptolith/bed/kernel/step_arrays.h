@@ -9,7 +9,7 @@ namespace haptolith {
 /// Walls as bits of StepArrays::near_walls. Of two opposite walls only the nearer one is in reach.
 enum WallBit : std::uint8_t { kFloor = 1, kWallX = 2, kWallY = 4 };
 
-/// What a step reads and writes. G groups of kGroup, N = kGroup G records, of which those behind the particles are
+/// What a step reads and writes. G groups of kGroup, N = kGroup G particles, of which those after the particles are
 /// ghosts, R rows of kGroup entries in the contact lists' pool.
 struct StepArrays {
   // Read. Which groups are stepped:
@@ -22,7 +22,7 @@ struct StepArrays {
   const std::uint8_t* grain_class;    ///< [G]; null: all of the coarsest (contact friction only)
 
   // Read. Contact lists, as in ContactLists:
-  const std::uint32_t* other;      ///< [R][kGroup] where each neighbour's record begins, bytes
+  const std::uint32_t* other;      ///< [R][kGroup] offset of each neighbour in `position`, bytes
   const std::uint32_t* first_row;  ///< [G + 1] of each group's rows
   const std::uint16_t* rows;       ///< [G] how many rows each has
 

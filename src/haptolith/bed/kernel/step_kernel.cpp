@@ -44,22 +44,22 @@ struct ClassConstants {
 
 /// Integrates positions; flags groups that move and particles that have left their reference position.
 HWY_INLINE void integrate(const StepConstants& now, const ClassConstants& own, const StepArrays& arrays,
-                          const Lanes& at, const Records& here, const Records& velocity, Moved& moved,
+                          const Lanes& at, const Float4Vectors& here, const Float4Vectors& velocity, Moved& moved,
                           V& fastest_squared) {
   const D d;
   const V dt = set(now.dt);
-  Records next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
-               hn::MulAdd(dt, velocity.z, here.z), here.w};
+  Float4Vectors next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
+                     hn::MulAdd(dt, velocity.z, here.z), here.w};
   if (arrays.remainder != nullptr) {  // compensated summation (Kahan 1965)
     Float4* const kept = arrays.remainder + at.particle();
-    const Records left = loadInOrder(kept);
-    const Records way{hn::MulAdd(dt, velocity.x, left.x), hn::MulAdd(dt, velocity.y, left.y),
-                      hn::MulAdd(dt, velocity.z, left.z), here.w};
+    const Float4Vectors left = loadFloat4(kept);
+    const Float4Vectors way{hn::MulAdd(dt, velocity.x, left.x), hn::MulAdd(dt, velocity.y, left.y),
+                            hn::MulAdd(dt, velocity.z, left.z), here.w};
     next = {here.x + way.x, here.y + way.y, here.z + way.z, here.w};
-    storeInOrder({way.x - (next.x - here.x), way.y - (next.y - here.y), way.z - (next.z - here.z), hn::Zero(d)}, kept);
+    storeFloat4({way.x - (next.x - here.x), way.y - (next.y - here.y), way.z - (next.z - here.z), hn::Zero(d)}, kept);
   }
-  storeInOrder(velocity, arrays.next_velocity + at.particle());
-  storeInOrder(next, arrays.next_position + at.particle());
+  storeFloat4(velocity, arrays.next_velocity + at.particle());
+  storeFloat4(next, arrays.next_position + at.particle());
 
   const V speed_squared =
       hn::MulAdd(velocity.x, velocity.x, hn::MulAdd(velocity.y, velocity.y, velocity.z * velocity.z));
@@ -68,7 +68,7 @@ HWY_INLINE void integrate(const StepConstants& now, const ClassConstants& own, c
   std::uint8_t& any_moving = arrays.moving[at.group];
   any_moving = static_cast<std::uint8_t>(moving || (at.in_group > 0 && any_moving != 0));
 
-  const Records reference = loadInOrder(arrays.reference_position + at.particle());
+  const Float4Vectors reference = loadFloat4(arrays.reference_position + at.particle());
   const V x = next.x - reference.x;
   const V y = next.y - reference.y;
   const V z = next.z - reference.z;
@@ -91,7 +91,7 @@ HWY_INLINE void integrate(const StepConstants& now, const ClassConstants& own, c
 }
 
 /// A driven particle keeps its velocity, whatever pushes it.
-HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
+HWY_INLINE Float4Vectors unlessDriven(const Float4Vectors& v, const Float4Vectors& wanted) {
   const auto driven = v.w != hn::Zero(D());
   return {hn::IfThenElse(driven, v.x, wanted.x), hn::IfThenElse(driven, v.y, wanted.y),
           hn::IfThenElse(driven, v.z, wanted.z), v.w};
@@ -101,9 +101,9 @@ HWY_INLINE Records unlessDriven(const Records& v, const Records& wanted) {
 HWY_INLINE Triple<V> forceWithoutWalls(const Sums& sums, const ClassConstants& own, const StepArrays& arrays,
                                        const Lanes& at) {
   if (arrays.contact_force != nullptr) {
-    storeInOrder({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
+    storeFloat4({sums.x, sums.y, sums.z, sums.repulsion}, arrays.contact_force + at.particle());
   }
-  const Records push = loadInOrder(arrays.external + at.particle());
+  const Float4Vectors push = loadFloat4(arrays.external + at.particle());
   return {sums.x + (set(own.weight_x) + push.x), sums.y + (set(own.weight_y) + push.y),
           sums.z + (set(own.weight_z) + push.z)};
 }
@@ -121,8 +121,8 @@ void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box,
   const ClassConstants grain(now);
   V fastest_squared = zero;
   forEachVector(arrays, now.pruning_pass, first, last, [&](const Lanes& at) {
-    const Records x = loadInOrder(arrays.position + at.particle());
-    const Records v = loadInOrder(arrays.velocity + at.particle());
+    const Float4Vectors x = loadFloat4(arrays.position + at.particle());
+    const Float4Vectors v = loadFloat4(arrays.velocity + at.particle());
     Sums sums = contacts.sum<kPeriodic>(arrays, at, x);
     auto [fx, fy, fz] = forceWithoutWalls(sums, grain, arrays, at);
     contacts.addWall(x.z, one, fz, sums);
@@ -170,8 +170,8 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
   const V ratio = set(box.wall_ratio);
   V fastest_squared = zero;
   forEachVector(arrays, now.pruning_pass, first, last, [&](const Lanes& at) {
-    const Records x = loadInOrder(arrays.position + at.particle());
-    const Records v = loadInOrder(arrays.velocity + at.particle());
+    const Float4Vectors x = loadFloat4(arrays.position + at.particle());
+    const Float4Vectors v = loadFloat4(arrays.velocity + at.particle());
     const GroupLaws contacts = laws.of(arrays, at.group);
     const PairLaw& own = contacts.own();
     const ClassConstants grain(now, kGraded ? arrays.grain_class[at.group] : 0);
@@ -216,8 +216,8 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
       fy = fy + wall.away;
       fz = fz + wall.along_2;
     }
-    const Records next{hn::MulAdd(per_mass, fx, v.x) * drag, hn::MulAdd(per_mass, fy, v.y) * drag,
-                       hn::MulAdd(per_mass, fz, v.z) * drag, zero};
+    const Float4Vectors next{hn::MulAdd(per_mass, fx, v.x) * drag, hn::MulAdd(per_mass, fy, v.y) * drag,
+                             hn::MulAdd(per_mass, fz, v.z) * drag, zero};
     integrate(now, grain, arrays, at, x, unlessDriven(v, next), moved, fastest_squared);
   });
   moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
@@ -256,7 +256,7 @@ void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& a
                std::size_t last, ContactSum* sums) {
   const PaperContacts contacts(law, periods, 0);
   forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
-    const Records x = loadInOrder(arrays.position + at.particle());
+    const Float4Vectors x = loadFloat4(arrays.position + at.particle());
     storeSums(contacts.sum<true>(arrays, at, x), sums + at.particle());
   });
 }
@@ -267,8 +267,8 @@ void contactFrictionSumsOf(const GradedLaw& law, const Periods& box, float dt, c
   PairLaws<kGraded> laws(law, dt, 1, 0);
   const PeriodsOf periods(box);
   forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
-    const Records x = loadInOrder(arrays.position + at.particle());
-    const Records v = loadInOrder(arrays.velocity + at.particle());
+    const Float4Vectors x = loadFloat4(arrays.position + at.particle());
+    const Float4Vectors v = loadFloat4(arrays.velocity + at.particle());
     storeSums(frictionalSums<kGraded, true, true>(laws.of(arrays, at.group), periods, arrays, at, x, v),
               sums + at.particle());
   });

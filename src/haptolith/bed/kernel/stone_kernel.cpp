@@ -115,8 +115,8 @@ void press(const StoneBesidePack& stone, const Float4* position, const Float4* v
   const Triple<V> velocity_of_stone = everywhere(stone.motion.velocity_m_s);
   const Triple<V> spin = everywhere(stone.motion.spin_rad_s);
   for (std::size_t first = 0; first < kGroup; first += hn::Lanes(d)) {
-    const Records at = loadRecords(position, pack.particle.data() + first);
-    const Records v = loadRecords(velocity, pack.particle.data() + first);
+    const Float4Vectors at = gatherFloat4(position, pack.particle.data() + first);
+    const Float4Vectors v = gatherFloat4(velocity, pack.particle.data() + first);
     const Triple<V> place = turn.inStone(minus(minus({at.x, at.y, at.z}, middle), middle_rest));
     const V own = set(stone.grain_m) + at.w;
     const PackOverlap overlap = overlapOf(stone, place, own);
