@@ -1,6 +1,7 @@
 #include "haptolith/scenario/key_use.h"
 
 #include <array>
+#include <vector>
 
 namespace haptolith {
 
@@ -62,17 +63,8 @@ constexpr std::string_view kArm = "[hand] compliance = arm";
 constexpr std::string_view kNoPoses = "another [hand] manoeuvre than poses";
 constexpr std::string_view kNotDirect = "[coupling] kind = auto or virtual";
 
+/// All but those of [soil].
 constexpr std::array kUses{
-    KeyUse{"soil", "mu_hat", isPaper, kPaper, true},
-    KeyUse{"soil", "attraction_ratio", isPaper, kPaper, true},
-    KeyUse{"soil", "moving_friction_ratio", isPaper, kPaper, true},
-    KeyUse{"soil", "contact_friction", hasContactFriction, kContact, true},
-    KeyUse{"soil", "contact_cohesion_n", hasContactFriction, kContact, true},
-    KeyUse{"soil", "cohesion_range_ratio", hasContactFriction, kContact, true},
-    KeyUse{"soil", "tangential_ratio", hasContactFriction, kContact, true},
-    KeyUse{"soil", "damping_ratio", hasContactFriction, kContact, true},
-    KeyUse{"soil", "size_spread", hasContactFriction, kContact, true},
-
     // A named soil of the command line or the page makes a bed that starts as `count` start as `rain`.
     KeyUse{"bed", "particles", starts<BedStart::kCount, BedStart::kRain>, "[bed] start = count or rain", false},
     KeyUse{"bed", "layers", starts<BedStart::kCount>, "[bed] start = count", false},
@@ -130,7 +122,19 @@ constexpr std::array kUses{
 }  // namespace
 
 std::span<const KeyUse> keyUses() {
-  return kUses;
+  static const std::vector<KeyUse> kAll = [] {
+    std::vector<KeyUse> uses;
+    for (const SoilNumber& number : kSoilNumbers) {
+      if (number.model == FrictionModel::kPaper) {
+        uses.push_back({"soil", number.key, isPaper, kPaper, true});
+      } else if (number.model == FrictionModel::kContact) {
+        uses.push_back({"soil", number.key, hasContactFriction, kContact, true});
+      }
+    }
+    uses.insert(uses.end(), kUses.begin(), kUses.end());
+    return uses;
+  }();
+  return kAll;
 }
 
 }  // namespace haptolith

@@ -22,22 +22,6 @@ constexpr FileKind kScene{
     .name = "scene", .example_key = "title", .document = "docs/scenarios.md", .left_out = "left out, so the paper's"};
 
 constexpr RivalKeys kRivals[]{
-    {"soil", "preset", "gamma_nm"},
-    {"soil", "preset", "rho0_kg_m3"},
-    {"soil", "preset", "rho_max_kg_m3"},
-    {"soil", "preset", "mu_hat"},
-    {"soil", "name", "gamma_nm"},
-    {"soil", "name", "rho0_kg_m3"},
-    {"soil", "name", "rho_max_kg_m3"},
-    {"soil", "name", "mu_hat"},
-    {"soil", "name", "contact_friction"},  // a preset has none
-    {"soil", "name", "contact_cohesion_n"},
-    {"soil", "file", "gamma_nm"},
-    {"soil", "file", "rho0_kg_m3"},
-    {"soil", "file", "rho_max_kg_m3"},
-    {"soil", "file", "mu_hat"},
-    {"soil", "file", "contact_friction"},
-    {"soil", "file", "contact_cohesion_n"},
     {"soil", "preset", "name"},
     {"soil", "preset", "file"},
     {"soil", "name", "file"},
@@ -52,8 +36,25 @@ constexpr RivalKeys kRivals[]{
     {"gravity", "vector_m_s2", "magnitude_m_s2"},
 };
 
+/// Those, and ways to choose a soil beside the numbers that make one.
+std::span<const RivalKeys> rivalKeys() {
+  static const std::vector<RivalKeys> kAll = [] {
+    std::vector<RivalKeys> all;
+    for (const std::string_view choice : {"preset", "name", "file"}) {
+      for (const SoilNumber& number : kSoilNumbers) {
+        if (choice == "preset" ? number.makesPreset() : number.role == SoilRole::kDefining) {
+          all.push_back({"soil", choice, number.key});
+        }
+      }
+    }
+    all.insert(all.end(), std::begin(kRivals), std::end(kRivals));
+    return all;
+  }();
+  return kAll;
+}
+
 void refuseContradictions(const TomlReader& reader) {
-  for (const RivalKeys& rivals : kRivals) {
+  for (const RivalKeys& rivals : rivalKeys()) {
     reader.refuseBoth(rivals);
   }
   const toml::node* manoeuvre = reader.find("hand", "manoeuvre");
@@ -231,7 +232,7 @@ void takeToolOverrides(TomlReader& reader, const TomlReader& given) {
 /// Another soil takes the place of the file's, friction, stiffness and all, but for the size of its grains; and grains
 /// that rub on each other must not begin as a crystal (see setSoil()).
 void takeOverrides(TomlReader& reader, std::span<const std::string> overrides) {
-  reader.takeOverrides(overrides, kRivals);
+  reader.takeOverrides(overrides, rivalKeys());
   const TomlReader given(overrides, kScene);
   takeToolOverrides(reader, given);
   const bool measured = given.has("soil", "name") || given.has("soil", "file");

@@ -1,35 +1,22 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "haptolith/bed/bed_parameters.h"
-#include "haptolith/core/plain_text.h"
 #include "haptolith/device/device_parameters.h"
 #include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/haptics/coupling.h"
 #include "haptolith/mesh/mesh_file.h"
 #include "haptolith/scenario/soil_file.h"
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scenario/toml/key_words.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/stone/stone_parameters.h"
 #include "haptolith/tool/tool_parameters.h"
 #include "haptolith/tool/tool_part.h"
 
 namespace haptolith {
-
-/// A word of scene files, soil files and the command line, and what it stands for.
-template <class Value>
-struct SceneWord {
-  std::string_view name;
-  Value value;
-};
-
-template <class Value>
-SceneWord(const char*, Value) -> SceneWord<Value>;  // clang 14 does not find it by itself
 
 inline constexpr std::array kFrictionWords{
     SceneWord{"paper", FrictionModel::kPaper},
@@ -97,42 +84,11 @@ inline constexpr std::array kHandComplianceWords{
     SceneWord{"rigid", HandCompliance::kRigid},
 };
 
-/// The names in a table of words, presets or bodies.
-template <class Table>
-[[nodiscard]] std::vector<std::string_view> namesOf(const Table& table) {
-  std::vector<std::string_view> names;
-  names.reserve(table.size());
-  for (const auto& entry : table) {
-    names.push_back(entry.name);
-  }
-  return names;
-}
-
 /// What the virtual hand can be told to do while a scene runs: all but recorded poses, which come from a file.
 [[nodiscard]] inline std::vector<std::string_view> playableManoeuvres() {
   std::vector<std::string_view> names = namesOf(kManoeuvreWords);
   std::erase(names, "poses");
   return names;
-}
-
-/// The value of a word. @throws InvalidParameter when it is not in `table`.
-template <class Table>
-[[nodiscard]] auto valueOf(const Table& table, std::string_view name) {
-  const auto entry = std::ranges::find(table, name, [](const auto& word) { return word.name; });
-  if (entry == table.end()) {
-    throw InvalidParameter("word", inQuotes(std::string(name)), anyOf(namesOf(table)));
-  }
-  return entry->value;
-}
-
-/// The word for a value. @throws InvalidParameter for one that has none: shapes that only the laboratory uses.
-template <class Table, class Value>
-[[nodiscard]] std::string_view wordFor(const Table& table, Value value) {
-  const auto entry = std::ranges::find(table, value, [](const auto& word) { return word.value; });
-  if (entry == table.end()) {
-    throw InvalidParameter("value", std::to_string(static_cast<int>(value)), "one of " + anyOf(namesOf(table)));
-  }
-  return entry->name;
 }
 
 }  // namespace haptolith

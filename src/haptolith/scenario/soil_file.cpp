@@ -34,14 +34,12 @@ void requireKeys(const TomlReader& reader, const SoilParameters& soil) {
   for (const char* measured : {"bulk_density_kg_m3", "friction_angle_deg", "cohesion_pa"}) {
     reader.require("target", measured);
   }
-  for (const char* number : {"radius_mm", "gamma_nm", "rho0_kg_m3", "rho_max_kg_m3", "stiffness_n_m", "friction"}) {
-    reader.require("soil", number);
-  }
-  if (soil.friction == FrictionModel::kPaper) {
-    reader.require("soil", "mu_hat");
-  } else {
-    reader.require("soil", "contact_friction");
-    reader.require("soil", "contact_cohesion_n");
+  for (const ScenarioKey& key : soilKeys()) {
+    const auto* number = std::ranges::find(kSoilNumbers, key.parameter, &SoilNumber::key);
+    const bool is_friction = number == kSoilNumbers.end();
+    if (is_friction || (number->role != SoilRole::kUsual && number->isUsedBy(soil.friction))) {
+      reader.require("soil", key.name);
+    }
   }
   for (const SoilFileKey& key : soilFileKeys()) {
     if (key.table == "reached" && reader.has("reached")) {

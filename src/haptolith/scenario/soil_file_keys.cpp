@@ -4,86 +4,49 @@
 #include <iterator>
 
 #include "haptolith/scenario/scene_words.h"
+#include "haptolith/scenario/toml/member_keys.h"
 
 namespace haptolith {
 
 namespace {
 
-SoilReached& reachedBy(SoilFile& file) {
-  return file.reached ? *file.reached : file.reached.emplace();
-}
-
 std::vector<SoilFileKey> allSoilFileKeys() {
-  using F = SoilFile;
-  using NumberValue = SoilFileKey::NumberValue;
-  using CountValue = SoilFileKey::CountValue;
-  using IntervalValue = SoilFileKey::IntervalValue;
-  using WordValue = SoilFileKey::WordValue;
-  using TextValue = SoilFileKey::TextValue;
-  return {
-      {"", "name", "name",
-       TextValue{[](F& f, std::string_view v) { f.name = v; }, [](const F& f) { return std::string_view(f.name); }},
-       "What the soil is called."},
-      {"", "source", "source",
-       TextValue{[](F& f, std::string_view v) { f.source = v; }, [](const F& f) { return std::string_view(f.source); },
-                 TextSize::kPage},
-       "Where the measured values come from; may be left out."},
+  using Target = SoilTarget;
+  using Reached = SoilReached;
+  using Ranges = SoilTargetRanges;
+  const auto file = memberKeys<SoilFile>("");
+  const auto target = memberKeys<SoilFile>("target", &SoilFile::target);
+  const auto reached = memberKeys<SoilFile>("reached", &SoilFile::reached);
+  std::vector<SoilFileKey> keys{
+      file.text("name", &SoilFile::name, "What the soil is called."),
+      file.text("source", &SoilFile::source, "Where the measured values come from; may be left out.", TextSize::kPage),
 
-      {"target", "bulk_density_kg_m3", "bulk_density_kg_m3",
-       NumberValue{SoilTargetRanges::bulk_density_kg_m3, [](F& f, double v) { f.target.bulk_density_kg_m3 = v; },
-                   [](const F& f) { return f.target.bulk_density_kg_m3; }},
-       "Bulk density."},
-      {"target", "friction_angle_deg", "friction_angle_deg",
-       NumberValue{SoilTargetRanges::friction_angle_deg, [](F& f, double v) { f.target.friction_angle_deg = v; },
-                   [](const F& f) { return f.target.friction_angle_deg; }},
-       "Angle of internal friction."},
-      {"target", "friction_angle_range_deg", "friction_angle_range_deg",
-       IntervalValue{SoilTargetRanges::friction_angle_deg,
-                     [](F& f, const Range& v) { f.target.friction_angle_range_deg = v; },
-                     [](const F& f) { return f.target.friction_angle_range_deg; }},
-       "Its uncertainty as the source gives it; may be left out."},
-      {"target", "cohesion_pa", "cohesion_pa",
-       NumberValue{SoilTargetRanges::cohesion_pa, [](F& f, double v) { f.target.cohesion_pa = v; },
-                   [](const F& f) { return f.target.cohesion_pa; }},
-       "Cohesion."},
-      {"target", "cohesion_range_pa", "cohesion_range_pa",
-       IntervalValue{SoilTargetRanges::cohesion_pa, [](F& f, const Range& v) { f.target.cohesion_range_pa = v; },
-                     [](const F& f) { return f.target.cohesion_range_pa; }},
-       "Its uncertainty as the source gives it; may be left out."},
-      {"target", "strength", "",
-       WordValue{namesOf(kSoilStrengthWords),
-                 [](F& f, std::string_view v) { f.target.strength = valueOf(kSoilStrengthWords, v); },
-                 [](const F& f) { return wordFor(kSoilStrengthWords, f.target.strength); }},
-       "Which strength the target is: after long shearing, or the greatest; left out: `residual`."},
+      target.number("bulk_density_kg_m3", &Target::bulk_density_kg_m3, Ranges::bulk_density_kg_m3, "Bulk density."),
+      target.number("friction_angle_deg", &Target::friction_angle_deg, Ranges::friction_angle_deg,
+                    "Angle of internal friction."),
+      target.interval("friction_angle_range_deg", &Target::friction_angle_range_deg, Ranges::friction_angle_deg,
+                      "Its uncertainty as the source gives it; may be left out."),
+      target.number("cohesion_pa", &Target::cohesion_pa, Ranges::cohesion_pa, "Cohesion."),
+      target.interval("cohesion_range_pa", &Target::cohesion_range_pa, Ranges::cohesion_pa,
+                      "Its uncertainty as the source gives it; may be left out."),
+      target.word("strength", &Target::strength, kSoilStrengthWords,
+                  "Which strength the target is: after long shearing, or the greatest; left out: `residual`."),
 
-      {"reached", "friction_angle_deg", "friction_angle_deg",
-       NumberValue{SoilTargetRanges::friction_angle_deg, [](F& f, double v) { reachedBy(f).friction_angle_deg = v; },
-                   [](const F& f) { return f.reached->friction_angle_deg; }},
-       "Angle of internal friction, mean over the seeds."},
-      {"reached", "friction_angle_sd_deg", "friction_angle_sd_deg",
-       NumberValue{SoilTargetRanges::friction_angle_deg, [](F& f, double v) { reachedBy(f).friction_angle_sd_deg = v; },
-                   [](const F& f) { return f.reached->friction_angle_sd_deg; }},
-       "Its standard deviation."},
+      reached.number("friction_angle_deg", &Reached::friction_angle_deg, Ranges::friction_angle_deg,
+                     "Angle of internal friction, mean over the seeds."),
+      reached.number("friction_angle_sd_deg", &Reached::friction_angle_sd_deg, Ranges::friction_angle_deg,
+                     "Its standard deviation."),
       // A straight line through scattered strengths may meet the axis a little below zero.
-      {"reached", "cohesion_pa", "cohesion_pa",
-       NumberValue{{-SoilTargetRanges::cohesion_pa.highest, SoilTargetRanges::cohesion_pa.highest},
-                   [](F& f, double v) { reachedBy(f).cohesion_pa = v; },
-                   [](const F& f) { return f.reached->cohesion_pa; }},
-       "Cohesion, mean over the seeds."},
-      {"reached", "cohesion_sd_pa", "cohesion_sd_pa",
-       NumberValue{SoilTargetRanges::cohesion_pa, [](F& f, double v) { reachedBy(f).cohesion_sd_pa = v; },
-                   [](const F& f) { return f.reached->cohesion_sd_pa; }},
-       "Its standard deviation."},
-      {"reached", "bulk_density_kg_m3", "bulk_density_kg_m3",
-       NumberValue{SoilTargetRanges::bulk_density_kg_m3, [](F& f, double v) { reachedBy(f).bulk_density_kg_m3 = v; },
-                   [](const F& f) { return f.reached->bulk_density_kg_m3; }},
-       "Bulk density, mean over the seeds."},
-      {"reached", "seeds", "seeds",
-       CountValue{{1, 1e6},
-                  [](F& f, std::int64_t v) { reachedBy(f).seeds = static_cast<int>(v); },
-                  [](const F& f) { return static_cast<std::int64_t>(f.reached->seeds); }},
-       "Number of beds, each from another seed."},
+      reached.number("cohesion_pa", &Reached::cohesion_pa, {-Ranges::cohesion_pa.highest, Ranges::cohesion_pa.highest},
+                     "Cohesion, mean over the seeds."),
+      reached.number("cohesion_sd_pa", &Reached::cohesion_sd_pa, Ranges::cohesion_pa, "Its standard deviation."),
+      reached.number("bulk_density_kg_m3", &Reached::bulk_density_kg_m3, Ranges::bulk_density_kg_m3,
+                     "Bulk density, mean over the seeds."),
+      reached.count("seeds", &Reached::seeds, {1, 1e6}, "Number of beds, each from another seed."),
   };
+  keys[0].parameter = keys[0].name;
+  keys[1].parameter = keys[1].name;
+  return keys;
 }
 
 /// What can be written is the soil's own; a preset, a name or a file is a scene's way to choose one.

@@ -2,58 +2,36 @@
 
 #include <array>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/toml/toml_writer.h"
+#include "haptolith/scenario/toml/member_keys.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr double kPartMm = 1e-3;  // m
-constexpr double kPartDegree = std::numbers::pi / 180;
 constexpr KeyName kPart{"", "tool_part"};
 
-template <double ToolPart::*kNumber>
-ToolPartKey::NumberValue length() {
-  return {ToolPartRanges::length_m.in(kPartMm), [](ToolPart& part, double value) { part.*kNumber = value * kPartMm; },
-          [](const ToolPart& part) { return inUnits(part.*kNumber, kPartMm); }};
-}
-
-template <Vec3 ToolPart::*kVector>
-ToolPartKey::VectorValue millimetres(const Range& valid_m) {
-  return {valid_m.in(kPartMm), [](ToolPart& part, const Vec3& value) { part.*kVector = value * kPartMm; },
-          [](const ToolPart& part) {
-            return Vec3((part.*kVector).unaryExpr([](double edge_m) { return inUnits(edge_m, kPartMm); }));
-          }};
-}
-
 std::vector<ToolPartKey> allPartKeys() {
-  return {
-      {"", "shape", "form",
-       ToolPartKey::WordValue{namesOf(kToolPartWords),
-                              [](ToolPart& part, std::string_view v) { part.form = valueOf(kToolPartWords, v); },
-                              [](const ToolPart& part) { return wordFor(kToolPartWords, part.form); }},
-       "A box, a ball or an upright cylinder."},
-      {"", "size_mm", "size_m", millimetres<&ToolPart::size_m>(ToolPartRanges::length_m),
-       "Edges of the `box` along its x, y and z."},
-      {"", "diameter_mm", "diameter_m", length<&ToolPart::diameter_m>(), "Diameter of the `sphere` or `cylinder`."},
-      {"", "length_mm", "length_m", length<&ToolPart::length_m>(), "Length of the `cylinder` along its z."},
-      {"", "at_mm", "at_m", millimetres<&ToolPart::at_m>(ToolPartRanges::at_m),
-       "Where its middle is, from the point that the hand holds."},
-      {"", "turn_deg", "turn_rad",
-       ToolPartKey::VectorValue{ToolPartRanges::turn_rad.in(kPartDegree),
-                                [](ToolPart& part, const Vec3& v) { part.turn_rad = v * kPartDegree; },
-                                [](const ToolPart& part) {
-                                  return Vec3(part.turn_rad.unaryExpr(
-                                      [](double angle) { return inUnits(angle, kPartDegree); }));
-                                }},
-       "How it is turned about its middle: about x first, then y, then z."},
+  const auto part = memberKeys<ToolPart>("");
+  std::vector<ToolPartKey> keys{
+      part.word("shape", &ToolPart::form, kToolPartWords, "A box, a ball or an upright cylinder."),
+      part.vector("size_mm", &ToolPart::size_m, ToolPartRanges::length_m, kMillimetres,
+                  "Edges of the `box` along its x, y and z."),
+      part.number("diameter_mm", &ToolPart::diameter_m, ToolPartRanges::length_m, kMillimetres,
+                  "Diameter of the `sphere` or `cylinder`."),
+      part.number("length_mm", &ToolPart::length_m, ToolPartRanges::length_m, kMillimetres,
+                  "Length of the `cylinder` along its z."),
+      part.vector("at_mm", &ToolPart::at_m, ToolPartRanges::at_m, kMillimetres,
+                  "Where its middle is, from the point that the hand holds."),
+      part.vector("turn_deg", &ToolPart::turn_rad, ToolPartRanges::turn_rad, kDegrees,
+                  "How it is turned about its middle: about x first, then y, then z."),
   };
+  keys.front().parameter = "form";
+  return keys;
 }
 
 /// Sizes that a part of this shape has not.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,58 +41,58 @@ template <class Target>
 struct FileKey {
   struct NumberValue {
     Range valid;  ///< in the unit of the key's name
-    void (*set)(Target&, double);
-    double (*get)(const Target&);  ///< NaN: left out
+    std::function<void(Target&, double)> set;
+    std::function<double(const Target&)> get;  ///< NaN: left out
   };
   struct CountValue {
     Range valid;
-    void (*set)(Target&, std::int64_t);
-    std::int64_t (*get)(const Target&);
+    std::function<void(Target&, std::int64_t)> set;
+    std::function<std::int64_t(const Target&)> get;
   };
   struct VectorValue {
     Range valid;  ///< of each of the three numbers
-    void (*set)(Target&, const Vec3&);
-    Vec3 (*get)(const Target&);
+    std::function<void(Target&, const Vec3&)> set;
+    std::function<Vec3(const Target&)> get;
   };
   struct IntervalValue {
     Range valid;  ///< of both ends
-    void (*set)(Target&, const Range&);
-    std::optional<Range> (*get)(const Target&);  ///< none: left out
+    std::function<void(Target&, const Range&)> set;
+    std::function<std::optional<Range>(const Target&)> get;  ///< none: left out
   };
   struct SwitchValue {
-    void (*set)(Target&, bool);
-    bool (*get)(const Target&);
+    std::function<void(Target&, bool)> set;
+    std::function<bool(const Target&)> get;
   };
   struct WordValue {
     std::vector<std::string_view> valid;
-    void (*set)(Target&, std::string_view);
-    std::string_view (*get)(const Target&);
+    std::function<void(Target&, std::string_view)> set;
+    std::function<std::string_view(const Target&)> get;
   };
   struct TextValue {
-    void (*set)(Target&, std::string_view);
-    std::string_view (*get)(const Target&);  ///< empty: left out
+    std::function<void(Target&, std::string_view)> set;
+    std::function<std::string_view(const Target&)> get;  ///< empty: left out
     TextSize size = TextSize::kLine;
   };
   /// Bytes as text, of any length, as programs write them.
   struct DataValue {
-    void (*set)(Target&, std::string_view);
-    std::string (*get)(const Target&);  ///< empty: left out
+    std::function<void(Target&, std::string_view)> set;
+    std::function<std::string(const Target&)> get;  ///< empty: left out
   };
   /// Texts or numbers, several or one alone; what is more to say about them, set() checks. Only read.
   struct ItemsValue {
     std::string_view valid;
-    void (*set)(Target&, const std::vector<TextOrNumber>&);
+    std::function<void(Target&, const std::vector<TextOrNumber>&)> set;
     std::nullptr_t get = kOnlyRead;
   };
   /// The name of another file, which lies beside the one that names it.
   struct PathValue {
-    void (*set)(Target&, const std::filesystem::path&);
-    std::filesystem::path (*get)(const Target&);  ///< empty: left out
+    std::function<void(Target&, const std::filesystem::path&)> set;
+    std::function<std::filesystem::path(const Target&)> get;  ///< empty: left out
   };
 
   std::string_view table;  ///< "soil"; empty at the top of the file
   std::string_view name;
-  std::string_view parameter;  ///< what validate() calls it, in SI: "width_m" for width_mm
+  std::string parameter;  ///< what validate() calls it, in SI: "width_m" for width_mm
   std::variant<NumberValue, CountValue, VectorValue, IntervalValue, SwitchValue, WordValue, TextValue, DataValue,
                ItemsValue, PathValue>
       value;
