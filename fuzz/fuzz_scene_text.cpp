@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 using namespace haptolith;
 

@@ -25,7 +25,7 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/machine/finest_grain.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
 

@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
 #include "haptolith/scene/scene.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace {
 

@@ -19,7 +19,7 @@
 
 #include "haptolith/core/process/in_parallel.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 

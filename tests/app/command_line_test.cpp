@@ -171,7 +171,7 @@ bool takesMinutesToSettle([[maybe_unused]] const std::filesystem::path& scene) {
 }
 
 TEST(Run, EveryShippedSceneRuns) {
-  for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenarios")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenes")) {
     if (entry.path().extension() == ".toml" && !takesMinutesToSettle(entry.path())) {
       const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --unpaced --duration-s 0.05");
       EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "use.h"
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scenario_keys.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_file_keys.h"
 #include "haptolith/session/session.h"
 
 namespace haptolith {

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/store/participant_code.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/store/study_files.h"

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
 #include "haptolith/scene/scene.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {

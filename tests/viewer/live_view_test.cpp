@@ -19,7 +19,7 @@
 
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/tool_mesh.h"
 #include "haptolith/viewer/messages.h"

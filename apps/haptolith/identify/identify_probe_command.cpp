@@ -7,7 +7,7 @@
 
 #include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "identify/identify_commands.h"
 #include "identify/measured_options.h"

@@ -14,8 +14,8 @@
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/device/hand/pose_file.h"
 #include "haptolith/identify/training/training_file.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_words.h"
 
 #include "shared/kept_work.h"
 #include "shared/option_checks.h"

@@ -9,8 +9,8 @@
 #include "haptolith/core/error.h"
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
-#include "haptolith/scenario/toml/file_keys.h"
-#include "haptolith/scenario/toml/toml_reader.h"
+#include "haptolith/scene_file/toml/file_keys.h"
+#include "haptolith/scene_file/toml/toml_reader.h"
 #include "haptolith/soil/bodies.h"
 
 #include "lab/built_in_claims.h"

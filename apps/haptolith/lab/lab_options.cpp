@@ -11,10 +11,10 @@
 
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/overloaded.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file.h"
-#include "haptolith/scenario/soil_file_keys.h"
-#include "haptolith/scenario/toml/toml_writer.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/soil_file.h"
+#include "haptolith/scene_file/soil_file_keys.h"
+#include "haptolith/scene_file/toml/toml_writer.h"
 #include "haptolith/soil/bodies.h"
 
 #include "shared/option_checks.h"

@@ -17,8 +17,8 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_words.h"
 
 #include "commands.h"
 #include "lab/lab_options.h"

@@ -16,7 +16,7 @@
 #include "haptolith/machine/machine_fit.h"
 #include "haptolith/machine/machine_summary.h"
 #include "haptolith/machine/real_time_checks.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "commands.h"
 #include "shared/histogram_json.h"

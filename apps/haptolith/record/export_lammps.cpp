@@ -10,7 +10,7 @@
 #include "haptolith/core/files/atomic_folder.h"
 #include "haptolith/lammps/lammps_export.h"
 #include "haptolith/recording/replay.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/tool/tool_contact.h"
 

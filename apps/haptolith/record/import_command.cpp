@@ -15,7 +15,7 @@
 #include "haptolith/core/pluralise.h"
 #include "haptolith/lammps/lammps_dump.h"
 #include "haptolith/lammps/lammps_export.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"

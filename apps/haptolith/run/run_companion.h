@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/session/record_taker.h"
 #include "haptolith/session/session.h"
 #include "haptolith/session/session_recording.h"

@@ -5,7 +5,7 @@
 
 #include "haptolith/figure/figure.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
 

@@ -13,8 +13,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/headless_browser.h"
 #include "haptolith/viewer/live_view.h"
@@ -37,7 +37,7 @@ constexpr const char* kSnapshotExamples = R"(Examples:
   haptolith snapshot --hand scoop --out view.png            soil of the Moon after two seconds
   haptolith snapshot --at-s 3.5 --theme light --no-panels --out bed.png
   haptolith snapshot --body Mars --colour force --view front --out mars.png
-  haptolith snapshot scenarios/sandbox.toml --out sandbox.png
+  haptolith snapshot scenes/sandbox.toml --out sandbox.png
   haptolith snapshot --film --duration-s 8 --hand scoop --out scoop.mp4
 
 Chromium draws it, without a window: apt install chromium. Films need ffmpeg, too. HAPTOLITH_CHROMIUM=PATH takes another

@@ -10,7 +10,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_format.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/tool/tool_mesh.h"
 
 #include "shared/option_checks.h"
@@ -94,14 +94,13 @@ void SceneOptions::addTo(CLI::App& command) {
   command
       .add_option(
           "scenario", scenario_file,
-          fmt::format(
-              "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md) [{}, with --preset paper]",
-              usual))
+          fmt::format("Scene by its name (haptolith scenes) or from a file (docs/scenes.md) [{}, with --preset paper]",
+                      usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,
                   "A key of the scene file, whatever the file says: --set bed.depth_mm=60; again for another "
-                  "(docs/scenarios.md)")
+                  "(docs/scenes.md)")
       ->allow_extra_args(false)
       ->option_text("TABLE.KEY=VALUE");
   CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace CLI {
 class App;

@@ -16,7 +16,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/pluralise.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/study/run/conductor.h"
 #include "haptolith/study/run/criteria.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/site_task.h"
 
 #include "study/teleop_work.h"
 

@@ -19,7 +19,7 @@
 #include "haptolith/core/process/in_parallel.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/identify/training/training_file.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/site_task.h"
 #include "haptolith/teleop/bench/simulation.h"
 #include "haptolith/teleop/operator/agreement_figure.h"
 #include "haptolith/teleop/operator/learning_model.h"

@@ -11,7 +11,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/haptics/loop/loop_clock.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/robot/site_robot.h"
 
 #include "shared/option_checks.h"

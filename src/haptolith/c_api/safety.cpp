@@ -13,7 +13,7 @@
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/haptics/safety/safety_layer.h"
 #include "haptolith/haptics/tick_record.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 struct hapto_safety : haptolith::library::HandleOf<haptolith::SafetyLayer> {
   static constexpr std::uint32_t kKind = 0x48615361;

@@ -11,8 +11,8 @@
 
 #include "haptolith/bed/kernel/soil_laws.h"
 #include "haptolith/c_api/handles.h"
-#include "haptolith/scenario/scenario.h"
 #include "haptolith/scene/scene.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith::library {
 

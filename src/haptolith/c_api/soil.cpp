@@ -13,7 +13,7 @@
 #include "haptolith/c_api/result.h"
 #include "haptolith/c_api/soil_object.h"
 #include "haptolith/c_api/values.h"
-#include "haptolith/scenario/soil_file_keys.h"
+#include "haptolith/scene_file/soil_file_keys.h"
 #include "haptolith/soil/layers.h"
 
 using namespace haptolith;

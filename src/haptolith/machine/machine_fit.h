@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "haptolith/machine/finest_grain.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
 

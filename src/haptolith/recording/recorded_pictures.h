@@ -12,7 +12,7 @@
 #include "haptolith/core/vec.h"
 #include "haptolith/recording/recording_reader.h"
 #include "haptolith/recording/replay.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/stone/stone_shape.h"
 
 namespace haptolith {

@@ -10,7 +10,7 @@
 #include "haptolith/device/replay_device.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/recording/recording_reader.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
 

@@ -7,7 +7,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {

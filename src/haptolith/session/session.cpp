@@ -11,7 +11,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/async.h"
 #include "haptolith/device/drivers/open_device.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_mesh.h"

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/strength.h"
 
 namespace haptolith {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/soil/contact_strength.h"
 #include "haptolith/soil/soil_parameters.h"
 

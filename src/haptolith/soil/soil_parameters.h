@@ -67,7 +67,7 @@ struct SoilNumber {
   int radius_power;          ///< rescaled() multiplies it by the ratio of radii to this power
   int tile_place;            ///< in the key of kept tiles (bed/start/tile_cache.h); a new number takes the next place
   int training_place;        ///< in a run of a training (identify/training); 0: not part of it
-  std::string_view meaning;  ///< one sentence for docs/scenarios.md
+  std::string_view meaning;  ///< one sentence for docs/scenes.md
   SoilControl control = {};
 
   [[nodiscard]] constexpr bool isUsedBy(FrictionModel friction) const { return !model || *model == friction; }

@@ -17,7 +17,7 @@
 #include "haptolith/device/hand/manoeuvre.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/study/results/felt_summary.h"
 #include "haptolith/tool/tool_shape.h"
 

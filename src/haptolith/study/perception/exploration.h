@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/store/store.h"
 
 namespace haptolith {

@@ -9,7 +9,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/in_parallel.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/contact_strength.h"
 #include "haptolith/soil/presets.h"

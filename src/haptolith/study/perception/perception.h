@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/perception/exploration.h"
 #include "haptolith/study/perception/ideal_observer.h"
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/toml/toml_reader.h"
+#include "haptolith/scene_file/toml/toml_reader.h"
 #include "haptolith/study/protocol/built_in_protocols.h"
 #include "haptolith/study/protocol/form.h"
 #include "haptolith/study/protocol/protocol_groups.h"

@@ -10,8 +10,8 @@
 
 #include "haptolith/psychometrics/adaptive/quest_plus.h"
 #include "haptolith/psychometrics/adaptive/staircase.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/site_task.h"
 #include "haptolith/session/scene_change.h"
 
 namespace haptolith {

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/scenario/toml/toml_reader.h"
+#include "haptolith/scene_file/toml/toml_reader.h"
 #include "haptolith/study/protocol/protocol.h"
 
 namespace haptolith {

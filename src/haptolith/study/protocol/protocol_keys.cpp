@@ -9,10 +9,10 @@
 #include <limits>
 #include <system_error>
 
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/site_task.h"
-#include "haptolith/scenario/soil_file.h"
-#include "haptolith/scenario/toml/member_keys.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/site_task.h"
+#include "haptolith/scene_file/soil_file.h"
+#include "haptolith/scene_file/toml/member_keys.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/study/protocol/protocol_levels.h"
@@ -174,7 +174,7 @@ std::vector<ProtocolKey> allProtocolKeys() {
       protocol.text("thanks", &StudyProtocol::thanks, "What is read at the end.", TextSize::kPage),
       {"", "scene", "",
        ProtocolKey::PathValue{[](D& d, const std::filesystem::path& v) { d.scene_file = v; }, kOnlyRead},
-       "A scene file (scenarios.md), beside the protocol, or the name of a built-in scene; left out: the paper's "
+       "A scene file (scenes.md), beside the protocol, or the name of a built-in scene; left out: the paper's "
        "scene."},
       protocol.word("order", &StudyProtocol::order, kOrderWords,
                     "In what order a participant comes to the blocks: as they stand, balanced over participants, or "
@@ -384,7 +384,7 @@ std::vector<BlockKey> sceneKeys() {
        BlockKey::WordValue{namesOf(kFrictionWords),
                            [](D& d, std::string_view v) { d.block.scene.friction = valueOf(kFrictionWords, v); },
                            kOnlyRead},
-       "What friction acts against (scenarios.md)."},
+       "What friction acts against (scenes.md)."},
       sliderKey("friction_angle_deg", {1, 70}, "Friction angle of the soil; for `paper` friction."),
       sliderKey("cohesion_pa", {0, kNoLimit}, "Its cohesion; for `paper` friction."),
   };

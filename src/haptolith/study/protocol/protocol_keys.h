@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 #include "haptolith/study/protocol/protocol.h"
 
 namespace haptolith {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/soil/strength.h"

@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/store/study_schema.h"
 #include "haptolith/study/store/study_sql.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "haptolith/identify/training/strength_map.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/link/link.h"
 #include "haptolith/teleop/link/teleop_packet.h"
 #include "haptolith/teleop/operator/force_agreement.h"

@@ -9,7 +9,7 @@
 #include "haptolith/core/process/async.h"
 #include "haptolith/identify/model_learner.h"
 #include "haptolith/identify/training/strength_map.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/link/robot_report.h"
 
 namespace haptolith {

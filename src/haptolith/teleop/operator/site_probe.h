@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "haptolith/identify/soil_belief.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/robot/robot.h"
 
 namespace haptolith {

@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/link/udp_relay.h"
 #include "haptolith/teleop/robot/robot_server.h"
 #include "haptolith/teleop/robot/site_camera.h"
