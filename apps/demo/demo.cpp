@@ -56,7 +56,7 @@ constexpr auto kBeforeMaking = 300ms;
 
 class Demo {
  public:
-  Demo(Scenario base, Scenario scenario)
+  Demo(SceneFile base, SceneFile scenario)
       : base_(std::move(base)),
         session_(unpaced(std::move(scenario)), false,
                  [](double settled_s, double) {
@@ -84,7 +84,7 @@ class Demo {
   }
 
  private:
-  static Scenario unpaced(Scenario scenario) {
+  static SceneFile unpaced(SceneFile scenario) {
     scenario.loop.paced = false;  // by the worker instead
     scenario.bed.threads = 1;
     return scenario;
@@ -112,7 +112,7 @@ class Demo {
     return session_.busy().empty() || now - idle_at_ > kBeforeMaking;
   }
 
-  Scenario base_;
+  SceneFile base_;
   Session session_;
   LiveView view_;
   LoopEnd end_ = LoopEnd::kRunning;
@@ -125,7 +125,7 @@ std::unique_ptr<Demo> demo;
 std::string told;
 
 /// The same as the golden test's of the program: each force that the hand was given, and the soil at the end.
-std::string outcomeOf(Scenario scenario, int ticks) {
+std::string outcomeOf(SceneFile scenario, int ticks) {
   scenario.loop.paced = false;
   Scene scene(scenario.bed, scenario.tool);
   const double surface_m = scene.bed().surfaceHeight();
@@ -154,8 +154,8 @@ std::string outcomeOf(Scenario scenario, int ticks) {
 }
 
 /// The soil in each tick of a cut whose way asks nothing of the C library, so that it is the same on every machine, as
-/// tests/scenario/golden_test.cpp has it.
-std::string outcomeOfCut(const Scenario& scenario, int ticks) {
+/// tests/scene_file/golden_test.cpp has it.
+std::string outcomeOfCut(const SceneFile& scenario, int ticks) {
   Scene scene(scenario.bed, scenario.tool);
   const double surface_m = scene.bed().surfaceHeight();
   std::uint64_t hash = 0;
@@ -201,7 +201,7 @@ const std::vector<DemoScene>& demoScenes() {
 }
 
 /// The finest particles that this browser's worker steps in time, measured once.
-Scenario fitted(Scenario scenario) {
+SceneFile fitted(SceneFile scenario) {
   static const double radius_m = [&] {
     constexpr std::array kOneThread{1};
     const std::atomic<bool> never{false};
@@ -211,15 +211,15 @@ Scenario fitted(Scenario scenario) {
   return scenario;
 }
 
-Scenario sceneNamed(std::string_view name) {
+SceneFile sceneNamed(std::string_view name) {
   const auto scene = std::ranges::find(demoScenes(), name, &DemoScene::name);
   const std::string_view of = scene == demoScenes().end() ? name : scene->of;
-  return of == "auto" ? fitted(findScenario(of)) : findScenario(of);
+  return of == "auto" ? fitted(findSceneFile(of)) : findSceneFile(of);
 }
 
 /// @param changes  "table.key=value" in a line each: what overridesOf() gave somebody else.
-Scenario sceneOf(std::string_view name, std::string_view changes) {
-  Scenario scenario = sceneNamed(name);
+SceneFile sceneOf(std::string_view name, std::string_view changes) {
+  SceneFile scenario = sceneNamed(name);
   std::vector<std::string> overrides;
   while (!changes.empty()) {
     const std::size_t end = std::min(changes.find('\n'), changes.size());
@@ -227,14 +227,14 @@ Scenario sceneOf(std::string_view name, std::string_view changes) {
     changes.remove_prefix(std::min(end + 1, changes.size()));
   }
   // By its numbers, so that what is changed does not contradict a name.
-  return overrides.empty() ? scenario : scenarioFromText(scenarioText(scenario), "this address", overrides);
+  return overrides.empty() ? scenario : sceneFileFromText(sceneFileText(scenario), "this address", overrides);
 }
 
 /// The lines of a scene's text, each as "table.key=value".
-std::vector<std::string> settingsOf(const Scenario& scenario) {
+std::vector<std::string> settingsOf(const SceneFile& scenario) {
   std::vector<std::string> settings;
   std::string table;
-  std::istringstream text(scenarioText(scenario));
+  std::istringstream text(sceneFileText(scenario));
   for (std::string line; std::getline(text, line);) {
     const std::size_t equals = line.find(" = ");
     if (line.starts_with('[')) {
@@ -247,7 +247,7 @@ std::vector<std::string> settingsOf(const Scenario& scenario) {
 }
 
 /// What makes `now` of `base`: what fits into an address, which grains and drawings do not.
-std::string overridesOf(const Scenario& base, const Scenario& now) {
+std::string overridesOf(const SceneFile& base, const SceneFile& now) {
   constexpr std::size_t kLongest = 200;
   const std::vector<std::string> before = settingsOf(base);
   std::string changes;
@@ -260,7 +260,7 @@ std::string overridesOf(const Scenario& base, const Scenario& now) {
 }
 
 std::string Demo::changes() const {
-  Scenario now = session_.scenario();
+  SceneFile now = session_.scenario();
   now.loop = base_.loop;  // the worker's own
   now.bed.threads = base_.bed.threads;
   now.hand.surface_m = base_.hand.surface_m;
@@ -281,7 +281,7 @@ extern "C" {
 EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const auto& scene : haptolith::demo::demoScenes()) {
-    list.push_back({{"name", scene.name}, {"title", haptolith::findScenario(scene.of).title}});
+    list.push_back({{"name", scene.name}, {"title", haptolith::findSceneFile(scene.of).title}});
   }
   haptolith::demo::told = list.dump();
   return haptolith::demo::told.c_str();
@@ -292,7 +292,7 @@ EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
 EMSCRIPTEN_KEEPALIVE const char* demoTile(const char* scene, const char* changes) {
   std::string name;
   const char* failed = haptolith::demo::tell([&] {
-    const haptolith::Scenario scenario = haptolith::demo::sceneOf(scene, changes);
+    const haptolith::SceneFile scenario = haptolith::demo::sceneOf(scene, changes);
     const haptolith::BedParameters& bed = scenario.bed;
     name = bed.start != haptolith::BedStart::kSettled ? ""
            : bed.ready_made                           ? haptolith::readyTileName(bed)
@@ -307,7 +307,7 @@ EMSCRIPTEN_KEEPALIVE const char* demoOpen(const char* scene, const char* changes
   return haptolith::demo::tell([&] {
     haptolith::useTileCache("/tiles");
     page().post = [](const std::string& bytes, bool binary) { postToPage(bytes.data(), bytes.size(), binary ? 1 : 0); };
-    haptolith::Scenario scenario = haptolith::demo::sceneOf(scene, changes);
+    haptolith::SceneFile scenario = haptolith::demo::sceneOf(scene, changes);
     haptolith::demo::demo.reset();
     haptolith::demo::demo =
         std::make_unique<haptolith::demo::Demo>(haptolith::demo::sceneNamed(scene), std::move(scenario));
@@ -340,12 +340,12 @@ EMSCRIPTEN_KEEPALIVE double demoTakeFile(const char* bytes, std::size_t size) {
   return page().brought(std::string(bytes, size));
 }
 
-/// The hash that tests/scenario/golden_test.cpp would have of a scene's text after so many ticks, and how long one took
-/// in us; with `cut` that of its straight cut. Or why there is none.
+/// The hash that tests/scene_file/golden_test.cpp would have of a scene's text after so many ticks, and how long one
+/// took in us; with `cut` that of its straight cut. Or why there is none.
 EMSCRIPTEN_KEEPALIVE const char* demoOutcome(const char* scene, int ticks, bool cut) {
   std::string outcome;
   const char* failed = haptolith::demo::tell([&] {
-    const haptolith::Scenario scenario = haptolith::loadScenarioText(scene, "scene");
+    const haptolith::SceneFile scenario = haptolith::loadSceneFileText(scene, "scene");
     outcome = cut ? haptolith::demo::outcomeOfCut(scenario, ticks) : haptolith::demo::outcomeOf(scenario, ticks);
   });
   if (*failed == '\0') {

@@ -46,7 +46,7 @@ hapto_scene* cScene(const std::string& toml) {
 }
 
 std::unique_ptr<Scene> ownScene(const std::string& toml) {
-  const Scenario scenario = scenarioFromText(toml, "scene");
+  const SceneFile scenario = sceneFileFromText(toml, "scene");
   return std::make_unique<Scene>(scenario.bed, scenario.tool);
 }
 

@@ -228,7 +228,7 @@ StabilityCase atUnknownDevice(const HoldingHand& hand, int delay_ticks, double s
 }
 
 struct UnknownCell {
-  const Scenario* scenario = nullptr;
+  const SceneFile* scenario = nullptr;
   const LyingSoil* lying = nullptr;
   StabilityCase setting;
   StabilityResult result, without;
@@ -236,12 +236,12 @@ struct UnknownCell {
 
 /// 3 soils, 5 hands, 5 delays, 3 steps, 2 noises, at a handle of 0.1 kg.
 int unknownDevices(int threads) {
-  const std::vector<Scenario> scenes{
-      loadScenarioText("title = \"P3, Moon\"", "A"),
-      loadScenarioText("title = \"P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
-                       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
-                       "B"),
-      loadScenarioText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};
+  const std::vector<SceneFile> scenes{
+      loadSceneFileText("title = \"P3, Moon\"", "A"),
+      loadSceneFileText("title = \"P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
+                        "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
+                        "B"),
+      loadSceneFileText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};
   std::vector<LyingSoil> lying(scenes.size());
   inParallel(scenes.size(), threads, [&](std::size_t i) { lying[i] = settled(scenes[i].bed); });
   std::vector<HoldingHand> hands(std::begin(kLightHands), std::end(kLightHands));
@@ -294,13 +294,13 @@ int unknownDevices(int threads) {
 /// A handle of 0.1 kg, released 15 mm deep in the soil or dropped from 1 mm or 20 mm, with and without weight, at a
 /// device of unknown delay.
 int releasedHandles(int threads) {
-  const std::vector<Scenario> scenes{
-      loadScenarioText("title = \"A: P3, Moon\"", "A"),
-      loadScenarioText("title = \"B: P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
-                       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"",
-                       "B"),
-      loadScenarioText("title = \"C: apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C"),
-      loadScenarioText("title = \"lunar-0-15cm\"\n[soil]\nname = \"lunar-0-15cm\"", "lunar")};
+  const std::vector<SceneFile> scenes{
+      loadSceneFileText("title = \"A: P3, Moon\"", "A"),
+      loadSceneFileText("title = \"B: P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
+                        "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"",
+                        "B"),
+      loadSceneFileText("title = \"C: apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C"),
+      loadSceneFileText("title = \"lunar-0-15cm\"\n[soil]\nname = \"lunar-0-15cm\"", "lunar")};
   std::vector<LyingSoil> lying(scenes.size());
   inParallel(scenes.size(), threads, [&](std::size_t i) { lying[i] = settled(scenes[i].bed); });
   std::vector<UnknownCell> cells;

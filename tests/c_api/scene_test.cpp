@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Friction, EitherFriction, testing::Values(kPaper, kCont
 
 TEST_P(EitherFriction, AStepIsAStepOfTheSceneInside) {
   const ScenePtr scene = sceneOf(GetParam());
-  const Scenario scenario = scenarioFromText(GetParam(), "scene");
+  const SceneFile scenario = sceneFileFromText(GetParam(), "scene");
   Scene inside(scenario.bed, scenario.tool);
   const auto movement = [](int tick) {
     const hapto_pose now = stirring(tick);

@@ -72,14 +72,14 @@ class MachineFitHere : public testing::Test {
   ~MachineFitHere() override { fs::remove_all(folder_); }
 
   FinestGrain fit(bool again = false) {
-    scenario_ = findScenario(kAutoScene);
+    scenario_ = findSceneFile(kAutoScene);
     return fitToMachine(scenario_,
                         {.threads = 1, .folder = folder_, .measure_again = again, .measuring = [this] { ++measured_; }},
                         stop_);
   }
 
   fs::path folder_;
-  Scenario scenario_;
+  SceneFile scenario_;
   std::atomic<bool> stop_{false};
   int measured_ = 0;
 };
@@ -113,10 +113,10 @@ TEST_F(MachineFitHere, ThatIsInterruptedIsNotKept) {
 }
 
 TEST_F(MachineFitHere, RefusesASceneWhoseParticlesAreItsOwn) {
-  Scenario paper = findScenario("paper");
+  SceneFile paper = findSceneFile("paper");
   EXPECT_FALSE(canBeFitted(paper));
   EXPECT_THROW((void)fitToMachine(paper, {}, stop_), InvalidParameter);
-  EXPECT_TRUE(canBeFitted(findScenario(kAutoScene)));
+  EXPECT_TRUE(canBeFitted(findSceneFile(kAutoScene)));
 }
 
 TEST(MachineFit, KnowsWhichKeysAreGiven) {

@@ -63,8 +63,8 @@ class DiggingDevice final : public HapticDevice {
   int reads_ = 0;
 };
 
-Scenario diggingScene() {
-  Scenario scenario;
+SceneFile diggingScene() {
+  SceneFile scenario;
   scenario.bed.soil = findPreset("P3").soil;
   scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
   scenario.loop.paced = false;
@@ -72,8 +72,8 @@ Scenario diggingScene() {
 }
 
 /// Particles of different sizes under jaws.
-Scenario jawsInUnevenSoil() {
-  Scenario scenario = diggingScene();
+SceneFile jawsInUnevenSoil() {
+  SceneFile scenario = diggingScene();
   scenario.bed.soil.friction = FrictionModel::kContact;
   scenario.bed.soil.size_spread = 0.1;
   scenario.tool.shape = ToolShape::kJaws;
@@ -101,7 +101,7 @@ class RecordedPicturesTest : public testing::Test {
     Wrench soil;
   };
 
-  void record(const Scenario& scenario) {
+  void record(const SceneFile& scenario) {
     Scene scene(scenario.bed, scenario.tool);
     DiggingDevice device;
     HapticLoop loop(scene, device, scenario.loop, true, handlingOf(scenario, scene.bed().surfaceHeight()));
@@ -127,7 +127,7 @@ class RecordedPicturesTest : public testing::Test {
       frames_.push_back(std::move(frame));
     }
     loop.takeRecords(ticks_);
-    header_.scenario = scenarioText(scenario);
+    header_.scenario = sceneFileText(scenario);
     header_.instruction_set = simdTarget();
     header_.device = device.name();
     header_.device_limits = limitsText(device.limits(), device.simulated());
@@ -231,7 +231,7 @@ TEST_F(RecordedPicturesTest, AllButVelocitiesIsKnownWithoutAReplay) {
 }
 
 TEST_F(RecordedPicturesTest, GrainsOfSeveralSizesKeepTheirOwn) {
-  Scenario scenario = jawsInUnevenSoil();
+  SceneFile scenario = jawsInUnevenSoil();
   scenario.bed.width_m = scenario.bed.length_m = 0.1;
   scenario.bed.start = BedStart::kRain;
   scenario.bed.particles = 100;

@@ -73,8 +73,8 @@ class PersonsDevice final : public HapticDevice {
   bool simulated_;
 };
 
-Scenario personsScene() {
-  Scenario scenario;
+SceneFile personsScene() {
+  SceneFile scenario;
   scenario.bed.soil = findPreset("P3").soil;
   scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
   scenario.handling.safety.soft_start_s = 0.1;
@@ -86,8 +86,8 @@ Scenario personsScene() {
 }
 
 /// As personsScene(), with a bed that is large enough for several threads to share.
-Scenario largeScene() {
-  Scenario scenario = personsScene();
+SceneFile largeScene() {
+  SceneFile scenario = personsScene();
   scenario.bed.width_m = scenario.bed.length_m = 0.4;
   scenario.bed.particles = 3000;
   scenario.bed.layers = 4;
@@ -102,7 +102,7 @@ class ReplayTest : public testing::Test {
   ~ReplayTest() override { fs::remove_all(folder_); }
 
   /// Lets `drive` run a loop of the scene, and keeps what was recorded of it.
-  void record(const Scenario& scenario, const PersonsDevice::Accident& accident,
+  void record(const SceneFile& scenario, const PersonsDevice::Accident& accident,
               const std::function<void(HapticLoop&)>& drive) {
     Scene scene(scenario.bed, scenario.tool);
     PersonsDevice device([&](int read, DeviceInput& input) { accident(read, input); }, simulated_);
@@ -110,7 +110,7 @@ class ReplayTest : public testing::Test {
     loop.hashRecords();
     drive(loop);
     loop.takeRecords(ticks_);
-    header_.scenario = scenarioText(scenario);
+    header_.scenario = sceneFileText(scenario);
     header_.instruction_set = simdTarget();
     header_.device = device.name();
     header_.device_limits = limitsText(device.limits(), device.simulated());
@@ -215,7 +215,7 @@ TEST_F(ReplayTest, EveryTripOfAPersonsHandComesOutBitForBitWhateverTheThreads) {
 
 TEST_F(ReplayTest, ARunByTheClockComesOutBitForBitHoweverLateItWas) {
   using std::chrono::milliseconds;
-  Scenario scenario = personsScene();
+  SceneFile scenario = personsScene();
   scenario.loop.paced = true;
   scenario.loop.duration_s = 0.8;
   HapticLoop* running = nullptr;
@@ -243,7 +243,7 @@ TEST_F(ReplayTest, ARunByTheClockComesOutBitForBitHoweverLateItWas) {
 }
 
 TEST_F(ReplayTest, ADeviceThatShowsNoForceComesOutBitForBitThroughItsVirtualCoupling) {
-  Scenario scenario = personsScene();
+  SceneFile scenario = personsScene();
   scenario.handling.coupling.kind = CouplingKind::kVirtual;
   scenario.handling.mapping.scale = 1.3;
   scenario.handling.mapping.turn_rad = Vec3(0.1, 0.2, 0.3);
@@ -371,7 +371,7 @@ TEST_F(ReplayTest, ARunThatFailsIsReplayedUpToTheTickThatFailed) {
 }
 
 TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
-  Scenario scenario = personsScene();
+  SceneFile scenario = personsScene();
   scenario.bed.soil.friction = FrictionModel::kContact;
   scenario.bed.soil.contact_cohesion_n = 0.01;
   record(scenario, nothingHappens, [&](HapticLoop& loop) {
@@ -406,7 +406,7 @@ TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
 }
 
 TEST_F(ReplayTest, GrainsThatWereMovedAreMovedAgain) {
-  const Scenario scenario = personsScene();
+  const SceneFile scenario = personsScene();
   const Bed same(scenario.bed);
   record(scenario, nothingHappens, [&](HapticLoop& loop) {
     for (std::size_t i = 0; i < 100; ++i) {

@@ -16,8 +16,8 @@
 namespace haptolith {
 namespace {
 
-Scenario autoWith(double radius_m) {
-  Scenario scenario = findScenario("auto");
+SceneFile autoWith(double radius_m) {
+  SceneFile scenario = findSceneFile("auto");
   scenario.bed.soil = rescaled(scenario.bed.soil, radius_m);
   return scenario;
 }
@@ -37,7 +37,7 @@ using AutoSceneOnEveryTarget = EveryTarget;
 
 TEST_F(AutoSceneOnEveryTarget, LiesStillUntilItIsTouched) {
   for (const double radius_m : {7e-3, 4.4e-3, 2.9e-3}) {
-    Scenario scenario = autoWith(radius_m);
+    SceneFile scenario = autoWith(radius_m);
     forEachTarget([&] {
       Scene scene(scenario.bed, scenario.tool);
       HandState above;
@@ -52,7 +52,7 @@ TEST_F(AutoSceneOnEveryTarget, LiesStillUntilItIsTouched) {
 }
 
 TEST_F(AutoSceneOnEveryTarget, IsAtRestThoughNothingMaySleep) {
-  Scenario scenario = autoWith(4.4e-3);
+  SceneFile scenario = autoWith(4.4e-3);
   scenario.bed.sleep = false;
   forEachTarget([&] {
     Scene scene(scenario.bed, scenario.tool);
@@ -67,7 +67,7 @@ TEST_F(AutoSceneOnEveryTarget, IsAtRestThoughNothingMaySleep) {
 }
 
 TEST(AutoScene, BecomesCoarserStepByStep) {
-  Scenario scenario = findScenario("auto");
+  SceneFile scenario = findSceneFile("auto");
   int steps = 0;
   for (double before_m = scenario.bed.soil.radius_m; canBeCoarser(scenario); before_m = scenario.bed.soil.radius_m) {
     makeCoarser(scenario);
@@ -79,13 +79,13 @@ TEST(AutoScene, BecomesCoarserStepByStep) {
   EXPECT_EQ(steps, 5);
   EXPECT_DOUBLE_EQ(scenario.bed.soil.radius_m, kGrainRadii_m.front());
   EXPECT_THROW(makeCoarser(scenario), InvalidParameter);
-  EXPECT_FALSE(canBeCoarser(findScenario("paper"))) << "its particles are counted";
-  EXPECT_TRUE(canBeCoarser(findScenario("regolith")));
+  EXPECT_FALSE(canBeCoarser(findSceneFile("paper"))) << "its particles are counted";
+  EXPECT_TRUE(canBeCoarser(findSceneFile("regolith")));
 }
 
 TEST(AutoScene, IsTheSameWhenReadFromItsText) {
-  const Scenario scenario = autoWith(4e-3);
-  const Scenario read = loadScenarioText(scenarioText(scenario), "stored");
+  const SceneFile scenario = autoWith(4e-3);
+  const SceneFile read = loadSceneFileText(sceneFileText(scenario), "stored");
   EXPECT_TRUE(read.bed.ready_made);
   EXPECT_EQ(readyTileName(read.bed), readyTileName(scenario.bed));
   EXPECT_TRUE(readyTile(read.bed));

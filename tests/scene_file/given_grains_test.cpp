@@ -30,8 +30,8 @@ class GrainsInAScene : public testing::Test {
   ~GrainsInAScene() override { fs::remove_all(folder_); }
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
-  [[nodiscard]] Scenario sceneOf(const std::string& bed) const {
-    return scenarioFromText(kSoil + ("[bed]\n" + bed), (folder_ / "x.toml").string());
+  [[nodiscard]] SceneFile sceneOf(const std::string& bed) const {
+    return sceneFileFromText(kSoil + ("[bed]\n" + bed), (folder_ / "x.toml").string());
   }
   [[nodiscard]] std::string errorOf(const std::string& bed) const {
     try {
@@ -46,7 +46,7 @@ class GrainsInAScene : public testing::Test {
 };
 
 TEST_F(GrainsInAScene, AreReadByTheNamesOfTheirColumns) {
-  const Scenario scene = sceneOf("grains = 'bed.csv'\n");
+  const SceneFile scene = sceneOf("grains = 'bed.csv'\n");
   EXPECT_EQ(scene.bed.start, BedStart::kGiven);
   const GivenGrains& given = scene.bed.given;
   ASSERT_EQ(given.count(), 3U);
@@ -58,18 +58,18 @@ TEST_F(GrainsInAScene, AreReadByTheNamesOfTheirColumns) {
 }
 
 TEST_F(GrainsInAScene, TravelWithTheirText) {
-  const Scenario scene = sceneOf("grains = 'bed.csv'\n");
-  const std::string text = scenarioText(scene);
+  const SceneFile scene = sceneOf("grains = 'bed.csv'\n");
+  const std::string text = sceneFileText(scene);
   fs::remove(folder_ / "bed.csv");
-  const Scenario again = loadScenarioText(text, "the recorded scene");
+  const SceneFile again = loadSceneFileText(text, "the recorded scene");
   EXPECT_TRUE(again == scene);
   EXPECT_EQ(again.bed.given.held, 1U);
 }
 
 TEST_F(GrainsInAScene, AreNamedInAFileForPeople) {
-  const Scenario scene = sceneOf("start = 'settled'\ndepth_mm = 80\nwidth_mm = 150\n");
-  write("y.toml", scenarioTextWithGrains(scene, "bed.csv"));
-  const Scenario again = loadScenario(folder_ / "y.toml");  // which refuses keys without effect
+  const SceneFile scene = sceneOf("start = 'settled'\ndepth_mm = 80\nwidth_mm = 150\n");
+  write("y.toml", sceneFileTextWithGrains(scene, "bed.csv"));
+  const SceneFile again = loadSceneFile(folder_ / "y.toml");  // which refuses keys without effect
   EXPECT_EQ(again.bed.start, BedStart::kGiven);
   EXPECT_EQ(again.bed.given.count(), 3U);
   EXPECT_DOUBLE_EQ(again.bed.width_m, 0.15);

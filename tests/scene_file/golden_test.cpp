@@ -4,7 +4,7 @@
 // the same soil. These numbers change only when physics is changed on purpose, in a commit that says why and what it
 // does to measured values, and with a line in CHANGELOG.md; never to make a refactoring pass. To renew them, run
 //
-//     build/release/tests/scenario/test_scenario --gtest_filter='Golden*'
+//     build/release/tests/scene_file/test_scene_file --gtest_filter='Golden*'
 //
 // which prints the new hashes where they differ. Numbers that differ between two builds of one source are a bug of the
 // build: look there first.
@@ -178,7 +178,7 @@ std::uint64_t fold(std::uint64_t hash, const void* data, std::size_t bytes) {
 }
 
 /// The soil, the tool and each force that the hand was given.
-std::uint64_t outcomeOf(const Scenario& scenario) {
+std::uint64_t outcomeOf(const SceneFile& scenario) {
   Scene scene(scenario.bed, scenario.tool);
   const double surface_m = scene.bed().surfaceHeight();
   HandParameters hand_parameters = scenario.hand;
@@ -225,7 +225,7 @@ class GoldenScene : public testing::TestWithParam<Golden> {
 
 TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
   const Golden& golden = GetParam();
-  Scenario scenario = loadScenarioText(golden.toml, golden.name);
+  SceneFile scenario = loadSceneFileText(golden.toml, golden.name);
   scenario.loop.paced = false;
   scenario.loop.duration_s = golden.duration_s;
   int compared = 0;
@@ -247,7 +247,7 @@ TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
 
 /// The soil in each tick of a cut whose way asks nothing of the C library: in a browser without vectors it comes to the
 /// same bits. What the tool feels does not always, in the last bits of a double (docs/demo.md).
-std::uint64_t outcomeOfStraightCut(const Scenario& scenario, int ticks) {
+std::uint64_t outcomeOfStraightCut(const SceneFile& scenario, int ticks) {
   Scene scene(scenario.bed, scenario.tool);
   const double surface_m = scene.bed().surfaceHeight();
   std::uint64_t hash = 0;
@@ -275,7 +275,7 @@ TEST(GoldenStraightCut, WithoutVectorsHasTheBitsOfABrowserWithoutThem) {
   hwy::SetSupportedTargetsForTest(HWY_SCALAR);
   for (const auto& [soil, golden] :
        {std::pair("preset = \"P3\"", 0xdf808dcaf080cedaU), std::pair("name = \"lunar-0-15cm\"", 0x16b91cf91059c19aU)}) {
-    const Scenario scenario = loadScenarioText(fmt::format("[soil]\n{}\n", soil), "cut");
+    const SceneFile scenario = loadSceneFileText(fmt::format("[soil]\n{}\n", soil), "cut");
     const std::uint64_t hash = outcomeOfStraightCut(scenario, 2000);
     EXPECT_EQ(hash, golden) << fmt::format("0x{:x}", hash);
   }

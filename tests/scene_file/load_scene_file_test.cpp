@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class LoadScenario : public testing::Test {
+class LoadSceneFile : public testing::Test {
  protected:
-  LoadScenario() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scenario_{}", getpid())) {
+  LoadSceneFile() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scenario_{}", getpid())) {
     fs::create_directories(folder_);
   }
-  ~LoadScenario() override { fs::remove_all(folder_); }
+  ~LoadSceneFile() override { fs::remove_all(folder_); }
 
   [[nodiscard]] fs::path write(const std::string& text) const {
     fs::path path = folder_ / "x.toml";
@@ -30,13 +30,13 @@ class LoadScenario : public testing::Test {
     return path;
   }
 
-  [[nodiscard]] Scenario load(const std::string& text) const { return loadScenario(write(text)); }
+  [[nodiscard]] SceneFile load(const std::string& text) const { return loadSceneFile(write(text)); }
 
   /// The message, its folder cut off: "x.toml:2: ..."; checks that the error knows that line.
   [[nodiscard]] std::string errorOf(const std::string& text) const {
     try {
       (void)load(text);
-    } catch (const ScenarioError& error) {
+    } catch (const TomlError& error) {
       const std::string message = std::string(error.what()).substr(folder_.string().size() + 1);
       if (error.line() > 0) {
         EXPECT_THAT(message, HasSubstr(fmt::format("x.toml:{}: ", error.line())));
@@ -51,26 +51,26 @@ class LoadScenario : public testing::Test {
 
 // --- what comes from strangers ---
 
-TEST_F(LoadScenario, AFileNamesNoLibrary) {
+TEST_F(LoadSceneFile, AFileNamesNoLibrary) {
   const std::string error = errorOf("[device]\nkind = 'force-dimension'\nlibrary = 'evil.so'\n");
   EXPECT_THAT(error, HasSubstr("x.toml:3: [device] library = 'evil.so' is not valid"));
   EXPECT_THAT(error, HasSubstr("--device-library PATH"));
   EXPECT_THAT(error, HasSubstr("FORCEDIM_SDK"));
 }
 
-TEST_F(LoadScenario, ALibraryThatAnOldRecordingHoldsIsPassedOver) {
-  const Scenario scene = loadScenarioText("[device]\nkind = 'force-dimension'\nlibrary = '/tmp/evil.so'\n", "old");
+TEST_F(LoadSceneFile, ALibraryThatAnOldRecordingHoldsIsPassedOver) {
+  const SceneFile scene = loadSceneFileText("[device]\nkind = 'force-dimension'\nlibrary = '/tmp/evil.so'\n", "old");
   EXPECT_EQ(scene.device.kind, DeviceKind::kForceDimension);
   EXPECT_EQ(scene.device.library, "");
 }
 
-TEST_F(LoadScenario, ALibraryOfTheCommandLineIsNotStored) {
-  Scenario scene;
+TEST_F(LoadSceneFile, ALibraryOfTheCommandLineIsNotStored) {
+  SceneFile scene;
   scene.device.library = "/opt/sdk";
-  EXPECT_THAT(scenarioText(scene), testing::Not(HasSubstr("/opt/sdk")));
+  EXPECT_THAT(sceneFileText(scene), testing::Not(HasSubstr("/opt/sdk")));
 }
 
-TEST_F(LoadScenario, ATitleIsALineThatCanBeShown) {
+TEST_F(LoadSceneFile, ATitleIsALineThatCanBeShown) {
   EXPECT_THAT(
       errorOf("title = \"A nice scene\\nsystem('id')\"\n"),
       testing::AllOf(HasSubstr("x.toml:1: title = "), HasSubstr("text on one line without control characters")));
@@ -83,20 +83,20 @@ TEST_F(LoadScenario, ATitleIsALineThatCanBeShown) {
 
 // --- what is read ---
 
-TEST_F(LoadScenario, ShippedScenesAreValid) {
+TEST_F(LoadSceneFile, ShippedScenesAreValid) {
   int scenes = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(sourceDir() / "scenes")) {
     if (entry.path().extension() == ".toml") {
-      EXPECT_NO_THROW((void)loadScenario(entry.path())) << entry.path();
+      EXPECT_NO_THROW((void)loadSceneFile(entry.path())) << entry.path();
       ++scenes;
     }
   }
   EXPECT_GE(scenes, 4);
 }
 
-TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
-  const Scenario paper = loadScenario(sourceDir() / "scenes/paper.toml");
-  const Scenario preset;
+TEST_F(LoadSceneFile, ThePapersSceneIsTheDefault) {
+  const SceneFile paper = loadSceneFile(sourceDir() / "scenes/paper.toml");
+  const SceneFile preset;
   EXPECT_EQ(paper.title, preset.title);
   EXPECT_EQ(paper.preset, preset.preset);
   EXPECT_EQ(paper.body, preset.body);
@@ -155,8 +155,8 @@ TEST_F(LoadScenario, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(paper.loop.filter_cutoff_hz, preset.loop.filter_cutoff_hz);
 }
 
-TEST_F(LoadScenario, MillimetresBecomeMetresAndWordsBecomeMeanings) {
-  const Scenario scene = load(R"(
+TEST_F(LoadSceneFile, MillimetresBecomeMetresAndWordsBecomeMeanings) {
+  const SceneFile scene = load(R"(
     [bed]
     start = "rain"
     width_mm = 250
@@ -180,9 +180,9 @@ TEST_F(LoadScenario, MillimetresBecomeMetresAndWordsBecomeMeanings) {
   EXPECT_FALSE(scene.loop.paced);
 }
 
-TEST_F(LoadScenario, APresetAtAnotherRadiusIsRescaled) {
+TEST_F(LoadSceneFile, APresetAtAnotherRadiusIsRescaled) {
   // Half the radius: gamma / 8, k / 2. What is given too is taken as it is, wherever it stands.
-  const Scenario scene = load("[soil]\nradius_mm = 3.5\npreset = 'P4'\n");
+  const SceneFile scene = load("[soil]\nradius_mm = 3.5\npreset = 'P4'\n");
   EXPECT_DOUBLE_EQ(scene.bed.soil.radius_m, 3.5e-3);
   EXPECT_DOUBLE_EQ(scene.bed.soil.gamma_nm, 6e-5 / 8);
   EXPECT_DOUBLE_EQ(scene.bed.soil.stiffness_n_m, 50);
@@ -191,21 +191,21 @@ TEST_F(LoadScenario, APresetAtAnotherRadiusIsRescaled) {
   EXPECT_DOUBLE_EQ(load("[soil]\nstiffness_n_m = 80\nradius_mm = 3.5\n").bed.soil.stiffness_n_m, 80);
 }
 
-TEST_F(LoadScenario, SoilGivenByNumbersIsNoPreset) {
-  const Scenario scene = load("[soil]\ngamma_nm = 5e-5\n");
+TEST_F(LoadSceneFile, SoilGivenByNumbersIsNoPreset) {
+  const SceneFile scene = load("[soil]\ngamma_nm = 5e-5\n");
   EXPECT_EQ(scene.preset, "");
   EXPECT_DOUBLE_EQ(scene.bed.soil.gamma_nm, 5e-5);
   EXPECT_DOUBLE_EQ(scene.bed.soil.rho0_kg_m3, 1330);
 }
 
-TEST_F(LoadScenario, ThePreviousWordForContactFrictionIsStillRead) {
+TEST_F(LoadSceneFile, ThePreviousWordForContactFrictionIsStillRead) {
   EXPECT_EQ(load("[soil]\npreset = 'P3'\nfriction = 'pairwise'\n").bed.soil.friction, FrictionModel::kContact);
   EXPECT_EQ(load("[soil]\npreset = 'P3'\nfriction = 'Pairwise'\n").bed.soil.friction, FrictionModel::kContact);
 }
 
-TEST_F(LoadScenario, FrictionHasTwoModelsEachWithItsNumbers) {
+TEST_F(LoadSceneFile, FrictionHasTwoModelsEachWithItsNumbers) {
   EXPECT_EQ(load("[soil]\npreset = 'P3'\n").bed.soil.friction, FrictionModel::kPaper);
-  const Scenario scene = load(R"(
+  const SceneFile scene = load(R"(
     [soil]
     preset = "P3"
     radius_mm = 3.5
@@ -231,18 +231,18 @@ TEST_F(LoadScenario, FrictionHasTwoModelsEachWithItsNumbers) {
   EXPECT_EQ(scene.preset, "P3") << "a preset says nothing about these";
 }
 
-TEST_F(LoadScenario, GravityHasABodyOrAMagnitudeAndADirection) {
-  const Scenario mars = load("[gravity]\nbody = 'mars'\ndirection = [0, 3, -4]\n");
+TEST_F(LoadSceneFile, GravityHasABodyOrAMagnitudeAndADirection) {
+  const SceneFile mars = load("[gravity]\nbody = 'mars'\ndirection = [0, 3, -4]\n");
   EXPECT_EQ(mars.body, "Mars");
   EXPECT_TRUE(mars.bed.gravity_m_s2.isApprox(3.721 * Vec3(0, 0.6, -0.8)));
-  const Scenario none = load("[gravity]\nmagnitude_m_s2 = 0\n");
+  const SceneFile none = load("[gravity]\nmagnitude_m_s2 = 0\n");
   EXPECT_EQ(none.body, "");
   EXPECT_TRUE(none.bed.gravity_m_s2.isZero());
 }
 
-TEST_F(LoadScenario, PosesLieBesideTheSceneAndImplyTheManoeuvre) {
+TEST_F(LoadSceneFile, PosesLieBesideTheSceneAndImplyTheManoeuvre) {
   std::ofstream(folder_ / "move.csv") << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
-  const Scenario scene = load("[hand]\nposes = 'move.csv'\n");
+  const SceneFile scene = load("[hand]\nposes = 'move.csv'\n");
   EXPECT_EQ(scene.hand.manoeuvre, Manoeuvre::kPoses);
   EXPECT_EQ(fs::path(scene.hand.poses_file), folder_ / "move.csv");
   EXPECT_NO_THROW((void)load("[hand]\nposes = 'move.csv'\nmanoeuvre = 'poses'\n"));
@@ -250,16 +250,16 @@ TEST_F(LoadScenario, PosesLieBesideTheSceneAndImplyTheManoeuvre) {
 
 // --- what is refused, and in which words ---
 
-TEST_F(LoadScenario, JawsAreBentNoMoreThanGrainsFitInto) {
+TEST_F(LoadSceneFile, JawsAreBentNoMoreThanGrainsFitInto) {
   EXPECT_THAT(errorOf("[tool]\nshape = 'jaws'\njaw_bend_deg = 181\n"),
               HasSubstr("x.toml:3: [tool] jaw_bend_deg = 181"));
   // 50 mm long and 5 mm thick round grains of 14 mm: 50 / 9.5 = 5.26 rad, never too much; of 30 mm: 2.86.
-  EXPECT_NO_THROW((void)scenarioFromText("[tool]\nshape = 'jaws'\njaw_bend_deg = 180\n", "x.toml"));
+  EXPECT_NO_THROW((void)sceneFileFromText("[tool]\nshape = 'jaws'\njaw_bend_deg = 180\n", "x.toml"));
   EXPECT_THAT(errorOf("[soil]\nradius_mm = 15\n[tool]\nshape = 'jaws'\njaw_bend_deg = 180\n"),
               AllOf(HasSubstr("jaw_bend"), HasSubstr("30 mm")));
 }
 
-TEST_F(LoadScenario, UnknownKeysSuggestTheNearest) {
+TEST_F(LoadSceneFile, UnknownKeysSuggestTheNearest) {
   EXPECT_EQ(errorOf("[soil]\n\nrho_max = 1900\n"),
             "x.toml:3: [soil] rho_max is not known; did you mean [soil] rho_max_kg_m3?");
   EXPECT_EQ(errorOf("titel = 'x'\n"), "x.toml:1: titel is not known; did you mean title?");
@@ -268,7 +268,7 @@ TEST_F(LoadScenario, UnknownKeysSuggestTheNearest) {
   EXPECT_EQ(errorOf("[bed]\ncolour = 'red'\n"), "x.toml:2: [bed] colour is not known, see docs/scenes.md");
 }
 
-TEST_F(LoadScenario, WrongTypesAreRefused) {
+TEST_F(LoadSceneFile, WrongTypesAreRefused) {
   EXPECT_EQ(errorOf("[soil]\nmu_hat = '0.3'\n"),
             "x.toml:2: [soil] mu_hat = '0.3' is not valid: must be a number, 0 to 10");
   EXPECT_EQ(errorOf("[soil]\nmu_hat = true\n"),
@@ -289,7 +289,7 @@ TEST_F(LoadScenario, WrongTypesAreRefused) {
   EXPECT_THAT(errorOf("[hand]\nperiod_s = 1979-05-27\n"), HasSubstr("must be a number"));
 }
 
-TEST_F(LoadScenario, ValuesOutOfRangeAreRefused) {
+TEST_F(LoadSceneFile, ValuesOutOfRangeAreRefused) {
   EXPECT_EQ(errorOf("[soil]\nmu_hat = -1\n"), "x.toml:2: [soil] mu_hat = -1 is not valid: must be 0 to 10");
   EXPECT_EQ(errorOf("[soil]\npreset = 'P9'\n"),
             "x.toml:2: [soil] preset = 'P9' is not valid: must be P1, P2, P3, P4, P5 or P6");
@@ -302,7 +302,7 @@ TEST_F(LoadScenario, ValuesOutOfRangeAreRefused) {
   EXPECT_THAT(errorOf("[bed]\nseed = -1\n"), HasSubstr("x.toml:2: [bed] seed = -1"));
 }
 
-TEST_F(LoadScenario, NonsenseAboutFrictionIsRefused) {
+TEST_F(LoadSceneFile, NonsenseAboutFrictionIsRefused) {
   EXPECT_EQ(errorOf("[soil]\nfriction = 'none'\n"),
             "x.toml:2: [soil] friction = 'none' is not valid: must be paper or contact");
   EXPECT_EQ(errorOf("[soil]\nfriction = 0.7\n"),
@@ -318,13 +318,13 @@ TEST_F(LoadScenario, NonsenseAboutFrictionIsRefused) {
   EXPECT_THAT(errorOf("[tool]\nadhesion_n = -1\n"), HasSubstr("x.toml:2: [tool] adhesion_n = -1"));
 }
 
-TEST_F(LoadScenario, NanAndInfinityAreRefused) {
+TEST_F(LoadSceneFile, NanAndInfinityAreRefused) {
   EXPECT_EQ(errorOf("[soil]\ngamma_nm = nan\n"), "x.toml:2: [soil] gamma_nm = nan is not valid: must be > 0");
   EXPECT_EQ(errorOf("[soil]\nstiffness_n_m = inf\n"), "x.toml:2: [soil] stiffness_n_m = inf is not valid: must be > 0");
   EXPECT_THAT(errorOf("[hand]\nhome_mm = [0, -inf, 0]\n"), HasSubstr("x.toml:2: [hand] home_mm = -inf"));
 }
 
-TEST_F(LoadScenario, ValuesThatDoNotGoTogetherAreRefused) {
+TEST_F(LoadSceneFile, ValuesThatDoNotGoTogetherAreRefused) {
   EXPECT_THAT(errorOf("[soil]\nrho0_kg_m3 = 1330\nrho_max_kg_m3 = 1000\n"),
               HasSubstr("x.toml:3: [soil] rho_max_kg_m3 = 1000 is not valid: must be > 1330"));
   EXPECT_THAT(errorOf("[soil]\nrho0_kg_m3 = 2000\n"),
@@ -338,82 +338,82 @@ TEST_F(LoadScenario, ValuesThatDoNotGoTogetherAreRefused) {
             "x.toml:3: [hand] poses and manoeuvre cannot both be given");
 }
 
-TEST_F(LoadScenario, ALimitThatFollowsFromOtherValuesIsToldInTheUnitOfTheKey) {
+TEST_F(LoadSceneFile, ALimitThatFollowsFromOtherValuesIsToldInTheUnitOfTheKey) {
   EXPECT_EQ(errorOf("[bed]\nwidth_mm = 5\n"), "x.toml:2: [bed] width_mm = 5 is not valid: must be 14 to 100000 (mm)");
   EXPECT_THAT(errorOf("[soil]\nradius_mm = 80\n"),
               HasSubstr("[bed] width_mm = 126 (left out, so the paper's) is not valid: must be 160 to 100000 (mm)"));
 }
 
-TEST_F(LoadScenario, WordsSuggestTheNearest) {
+TEST_F(LoadSceneFile, WordsSuggestTheNearest) {
   EXPECT_THAT(errorOf("[soil]\nname = 'lunar-0-15'\n"), HasSubstr("; did you mean lunar-0-15cm?"));
 }
 
-TEST_F(LoadScenario, AKeyThatCanNeverHaveAnEffectIsRefused) {
+TEST_F(LoadSceneFile, AKeyThatCanNeverHaveAnEffectIsRefused) {
   EXPECT_EQ(errorOf("[bed]\ndepth_mm = 90\n"),
             "x.toml:2: [bed] depth_mm has no effect: it needs [bed] start = packed or settled");
   EXPECT_EQ(errorOf("[coupling]\nkind = 'direct'\nstiffness_n_m = 300\n"),
             "x.toml:3: [coupling] stiffness_n_m has no effect: it needs [coupling] kind = auto or virtual");
   EXPECT_NO_THROW((void)load("[bed]\ndepth_mm = 40\n")) << "the usual value, as the paper's scene writes it out";
-  EXPECT_NO_THROW((void)loadScenarioText("[bed]\ndepth_mm = 90\n", "a recording"));
+  EXPECT_NO_THROW((void)loadSceneFileText("[bed]\ndepth_mm = 90\n", "a recording"));
 }
 
-TEST_F(LoadScenario, AKeyThatHasNoEffectYetIsTold) {
+TEST_F(LoadSceneFile, AKeyThatHasNoEffectYetIsTold) {
   const fs::path path =
       write("[soil]\npreset = 'P3'\ncontact_friction = 0.4\n[tool]\nshape = 'sphere'\nsize_mm = [1, 2, 3]\n");
-  const Scenario scene = loadScenario(path);
+  const SceneFile scene = loadSceneFile(path);
   EXPECT_THAT(idleKeys(path.string(), scene),
               testing::ElementsAre(
                   path.string() + ":3: [soil] contact_friction has no effect: it needs [soil] friction = contact",
                   path.string() + ":6: [tool] size_mm has no effect: it needs [tool] shape = box or jaws"));
-  Scenario switched = scene;
+  SceneFile switched = scene;
   switched.bed.soil.friction = FrictionModel::kContact;
   switched.tool.shape = ToolShape::kJaws;
   EXPECT_THAT(idleKeys(path.string(), switched), testing::IsEmpty());
 }
 
-TEST_F(LoadScenario, ShippedScenesHaveNoKeyWithoutEffect) {
+TEST_F(LoadSceneFile, ShippedScenesHaveNoKeyWithoutEffect) {
   for (const fs::directory_entry& entry : fs::directory_iterator(sourceDir() / "scenes")) {
     if (entry.path().extension() == ".toml") {
-      EXPECT_THAT(idleKeys(entry.path().string(), loadScenario(entry.path())), testing::IsEmpty());
+      EXPECT_THAT(idleKeys(entry.path().string(), loadSceneFile(entry.path())), testing::IsEmpty());
     }
   }
 }
 
-TEST_F(LoadScenario, BuiltInScenesAreTheFilesByTheirNames) {
+TEST_F(LoadSceneFile, BuiltInScenesAreTheFilesByTheirNames) {
   for (const std::string& name : sceneNames()) {
     if (name != "plate-in-sand") {  // whose poses lie beside the file
-      EXPECT_EQ(findScenario(name), loadScenario(sourceDir() / "scenes" / (name + ".toml"))) << name;
+      EXPECT_EQ(findSceneFile(name), loadSceneFile(sourceDir() / "scenes" / (name + ".toml"))) << name;
     }
   }
   EXPECT_THAT(sceneNames(), testing::IsSupersetOf({"paper", "rain", "sandbox"}));
-  EXPECT_THAT([] { (void)findScenario("sandbx"); },
+  EXPECT_THAT([] { (void)findSceneFile("sandbx"); },
               testing::ThrowsMessage<InvalidParameter>(HasSubstr("did you mean sandbox?")));
 }
 
-TEST_F(LoadScenario, PosesMustExist) {
+TEST_F(LoadSceneFile, PosesMustExist) {
   EXPECT_EQ(errorOf("[hand]\nmanoeuvre = 'poses'\n"),
             "x.toml:2: [hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");
   EXPECT_THAT(errorOf("[hand]\nposes = 'none.csv'\n"), HasSubstr("none.csv: no such file"));
 }
 
-TEST_F(LoadScenario, WhatIsNotTomlIsRefusedWithItsLine) {
+TEST_F(LoadSceneFile, WhatIsNotTomlIsRefusedWithItsLine) {
   EXPECT_THAT(errorOf("title = 'x'\n[soil\n"), HasSubstr("x.toml:2: not TOML: "));
   EXPECT_THAT(errorOf("[soil]\nmu_hat = 1\nmu_hat = 2\n"), HasSubstr("x.toml:3: not TOML: "));
   EXPECT_THAT(errorOf("title = \"\xff\xfe\"\n"), HasSubstr("not TOML: "));
   EXPECT_THAT(errorOf(std::string("title = 'a\0b'\n", 14)), HasSubstr("not TOML: "));
 }
 
-TEST_F(LoadScenario, EmptyMissingAndHugeFilesAreRefused) {
+TEST_F(LoadSceneFile, EmptyMissingAndHugeFilesAreRefused) {
   EXPECT_THAT(errorOf(""), HasSubstr("x.toml: empty: a scene has at least one key"));
   EXPECT_THAT(errorOf("# only a remark\n\n"), HasSubstr("x.toml: empty"));
   EXPECT_THAT(errorOf("title = '" + std::string(2 << 20, 'x') + "'\n"), HasSubstr("x.toml: too large"));
-  EXPECT_THAT([&] { (void)loadScenario(folder_ / "none.toml"); },
-              testing::ThrowsMessage<ScenarioError>(HasSubstr("none.toml: no such file")));
-  EXPECT_THAT([&] { (void)loadScenario(folder_); }, testing::ThrowsMessage<ScenarioError>(HasSubstr(": not a file")));
-  EXPECT_THAT([&] { (void)loadScenario("/dev/zero"); }, testing::ThrowsMessage<ScenarioError>("/dev/zero: not a file"));
+  EXPECT_THAT([&] { (void)loadSceneFile(folder_ / "none.toml"); },
+              testing::ThrowsMessage<TomlError>(HasSubstr("none.toml: no such file")));
+  EXPECT_THAT([&] { (void)loadSceneFile(folder_); }, testing::ThrowsMessage<TomlError>(HasSubstr(": not a file")));
+  EXPECT_THAT([&] { (void)loadSceneFile("/dev/zero"); }, testing::ThrowsMessage<TomlError>("/dev/zero: not a file"));
 }
 
-TEST_F(LoadScenario, LongValuesAreShortenedInMessages) {
+TEST_F(LoadSceneFile, LongValuesAreShortenedInMessages) {
   const std::string message = errorOf("[soil]\npreset = '" + std::string(5000, 'P') + "'\n");
   EXPECT_LT(message.size(), 200U);
 }

@@ -35,8 +35,8 @@ class MeshInAScene : public testing::Test {
   }
   ~MeshInAScene() override { fs::remove_all(folder_); }
 
-  [[nodiscard]] Scenario sceneOf(const std::string& tool, const std::vector<std::string>& overrides = {}) const {
-    return scenarioFromText("[tool]\n" + tool, (folder_ / "x.toml").string(), overrides);
+  [[nodiscard]] SceneFile sceneOf(const std::string& tool, const std::vector<std::string>& overrides = {}) const {
+    return sceneFileFromText("[tool]\n" + tool, (folder_ / "x.toml").string(), overrides);
   }
   [[nodiscard]] std::string errorOf(const std::string& tool) const {
     try {
@@ -51,7 +51,7 @@ class MeshInAScene : public testing::Test {
 };
 
 TEST_F(MeshInAScene, IsFoundBesideTheSceneFileAndPlaced) {
-  const Scenario scene =
+  const SceneFile scene =
       sceneOf("mesh_unit_mm = 2\nmesh_origin_mm = [0, 0, 20]\nmesh_turn_deg = [0, 0, 90]\nmesh = 'wedge.obj'\n");
   ASSERT_NE(scene.tool.mesh, nullptr);
   EXPECT_EQ(scene.tool.shape, ToolShape::kMesh);
@@ -82,24 +82,24 @@ TEST_F(MeshInAScene, RefusesWhatIsNoToolAndSaysWhere) {
 }
 
 TEST_F(MeshInAScene, OfASheetHasTheThicknessThatItIsGiven) {
-  const Scenario scene = sceneOf("mesh_sheet_mm = 2\nmesh = 'flat.obj'\n");
+  const SceneFile scene = sceneOf("mesh_sheet_mm = 2\nmesh = 'flat.obj'\n");
   const DistanceField& field = scene.tool.mesh->field;
   EXPECT_NEAR(field.corners().high_m.z() - field.corners().low_m.z(), 2e-3, 1e-9);
   EXPECT_EQ(scene.tool.mesh->surface.triangles.size(), 2U + 6U) << "both sides and three walls";
 }
 
 TEST_F(MeshInAScene, TravelsWithItsText) {
-  const Scenario scene = sceneOf("mesh_turn_deg = [10, 0, 0]\nmesh = 'wedge.obj'\n");
-  const std::string text = scenarioText(scene);
+  const SceneFile scene = sceneOf("mesh_turn_deg = [10, 0, 0]\nmesh = 'wedge.obj'\n");
+  const std::string text = sceneFileText(scene);
   fs::remove(folder_ / "wedge.obj");
-  const Scenario again = loadScenarioText(text, "the recorded scene");
+  const SceneFile again = loadSceneFileText(text, "the recorded scene");
   EXPECT_TRUE(again == scene);
   EXPECT_EQ(again.tool.mesh, scene.tool.mesh) << "made but once";
   EXPECT_EQ(again.mesh.name, "wedge.obj");
 }
 
 TEST_F(MeshInAScene, GivesWayToAShapeThatIsAskedForAndComesBack) {
-  const Scenario ball = sceneOf("mesh = 'wedge.obj'\n", {"tool.shape=sphere"});
+  const SceneFile ball = sceneOf("mesh = 'wedge.obj'\n", {"tool.shape=sphere"});
   EXPECT_EQ(ball.tool.shape, ToolShape::kSphere);
   EXPECT_EQ(sceneOf("shape = 'box'\n", {"tool.name=rake"}).mesh.name, "rake");
   EXPECT_EQ(sceneOf("mesh_turn_deg = [90, 0, 0]\nmesh = 'wedge.obj'\n", {"tool.name=rake"}).mesh.turn_rad, Vec3::Zero())
@@ -108,8 +108,8 @@ TEST_F(MeshInAScene, GivesWayToAShapeThatIsAskedForAndComesBack) {
   const std::string mesh = "tool.mesh=" + (folder_ / "wedge.obj").string();
   EXPECT_EQ(sceneOf("shape = 'box'\n", {mesh}).mesh.name, "wedge.obj");
 
-  const Scenario rake = sceneOf("name = 'rake'\n");
-  const Scenario shown = changed(rake, std::vector<std::string>{"tool.shape=sphere"});
+  const SceneFile rake = sceneOf("name = 'rake'\n");
+  const SceneFile shown = changed(rake, std::vector<std::string>{"tool.shape=sphere"});
   EXPECT_EQ(shown.tool.shape, ToolShape::kSphere);
   EXPECT_EQ(changed(shown, std::vector<std::string>{"tool.shape=mesh"}).tool.mesh, rake.tool.mesh);
 }
@@ -119,14 +119,14 @@ constexpr const char* kScraper =
     "[[tool_part]]\nshape = 'cylinder'\ndiameter_mm = 12\nlength_mm = 80\nat_mm = [0, 0, 50]\nturn_deg = [0, 0, 45]\n";
 
 TEST_F(MeshInAScene, MayBePutTogetherOfParts) {
-  const Scenario scene = sceneOf(std::string("stiffness_n_m = 9000\n") + kScraper);
+  const SceneFile scene = sceneOf(std::string("stiffness_n_m = 9000\n") + kScraper);
   EXPECT_EQ(scene.tool.shape, ToolShape::kMesh);
   EXPECT_EQ(scene.tool.stiffness_n_m, 9000);
   const MeshCorners& corners = scene.tool.mesh->field.corners();
   EXPECT_LT((corners.low_m - Vec3(-0.006, -0.03, -0.015)).norm(), 1e-5);
   EXPECT_LT((corners.high_m - Vec3(0.006, 0.03, 0.09)).norm(), 1e-5);
   EXPECT_TRUE(scene.tool.mesh->report.empty());
-  EXPECT_TRUE(loadScenarioText(scenarioText(scene), "the recorded scene") == scene);
+  EXPECT_TRUE(loadSceneFileText(sceneFileText(scene), "the recorded scene") == scene);
   EXPECT_EQ(sceneOf(kScraper, {"tool.shape=sphere"}).tool.shape, ToolShape::kSphere);
   EXPECT_EQ(sceneOf(kScraper, {"tool.name=rake"}).mesh.name, "rake");
   EXPECT_EQ(sceneOf(kScraper, {"tool.shape=mesh"}).mesh.bytes->size(), scene.mesh.bytes->size());
@@ -151,7 +151,7 @@ TEST_F(MeshInAScene, OfPartsRefusesWhatDoesNotFit) {
 
 // --- the tools that come along ---------------------------------------------------------------------------------------
 
-double distanceAt(const Scenario& scene, const Vec3& place_mm) {
+double distanceAt(const SceneFile& scene, const Vec3& place_mm) {
   return scene.tool.mesh->field.at(1e-3 * place_mm).distance_m;
 }
 
@@ -169,16 +169,16 @@ TEST(BuiltInTools, AreSolidWhereTheyShouldBeAndHollowWhereSoilGoes) {
       {"rake", {0, 7, -15}, false},         {"rake", {0, 7, 12}, true},      {"corer", {0, 0, 0}, false},
       {"corer", {19.2, 0, 0}, true},        {"corer", {0, -19.2, 30}, true}, {"auger", {0, 0, 0}, true},
       {"auger", {14.1, -5.1, -34.7}, true}, {"auger", {15, 0, -25}, false},  {"auger", {-15, 0, -24}, true}};
-  Scenario scene;  // the one before is kept until another is made
+  SceneFile scene;  // the one before is kept until another is made
   for (const Place& place : places) {
-    scene = scenarioFromText(fmt::format("[tool]\nname = '{}'\n", place.tool), "x.toml");
+    scene = sceneFileFromText(fmt::format("[tool]\nname = '{}'\n", place.tool), "x.toml");
     EXPECT_EQ(distanceAt(scene, place.at_mm) < 0, place.solid) << place.tool << " " << place.at_mm.transpose();
   }
 }
 
 TEST(BuiltInTools, NeedNoMendingAndFitIntoAHand) {
   for (const BuiltInTool& tool : builtInTools()) {
-    const Scenario scene = scenarioFromText(fmt::format("[tool]\nname = '{}'\n", tool.name), "x.toml");
+    const SceneFile scene = sceneFileFromText(fmt::format("[tool]\nname = '{}'\n", tool.name), "x.toml");
     EXPECT_EQ(scene.tool.mesh->report, std::vector<std::string>{}) << tool.name;
     EXPECT_LT(scene.tool.mesh->field.enclosingRadius(), 0.06) << tool.name;
     EXPECT_EQ(scene.tool.mesh->field.spacing(), 0.4e-3) << tool.name;
@@ -187,7 +187,7 @@ TEST(BuiltInTools, NeedNoMendingAndFitIntoAHand) {
 }
 
 TEST(DrawnTools, TheScoopCarriesALoadThatWeighsWhatItWeighs) {
-  const Scenario scenario = scenarioFromText(
+  const SceneFile scenario = sceneFileFromText(
       "[tool]\nname = 'scoop'\n[soil]\nname = 'lunar-0-15cm'\nradius_mm = 4\n[bed]\nwidth_mm = 400\n", "x.toml");
   constexpr double kHeight_m = 0.1;
   std::vector<Vec3> grains{{-0.19, -0.05, 0.004}};  // in a corner of the box: the soil's surface

@@ -13,14 +13,14 @@ namespace {
 using testing::HasSubstr;
 using Texts = std::vector<std::string>;
 
-Scenario with(const std::string& text, const Texts& overrides) {
-  return scenarioFromText(text, "mine.toml", overrides);
+SceneFile with(const std::string& text, const Texts& overrides) {
+  return sceneFileFromText(text, "mine.toml", overrides);
 }
 
 TEST(Overrides, ReplaceWhatTheFileSays) {
-  const Scenario scene = with("title = 'x'\n[bed]\nseed = 3\nparticles = 200\n",
-                              {"bed.seed=7", " tool.shape = sphere ", "tool.size_mm=[1, 2, 3]", "tool.diameter_mm=40",
-                               "loop.paced=false", "title=my own \"scene\""});
+  const SceneFile scene = with("title = 'x'\n[bed]\nseed = 3\nparticles = 200\n",
+                               {"bed.seed=7", " tool.shape = sphere ", "tool.size_mm=[1, 2, 3]", "tool.diameter_mm=40",
+                                "loop.paced=false", "title=my own \"scene\""});
   EXPECT_EQ(scene.bed.seed, 7U);
   EXPECT_EQ(scene.bed.particles, 200);
   EXPECT_EQ(scene.tool.shape, ToolShape::kSphere);
@@ -31,7 +31,7 @@ TEST(Overrides, ReplaceWhatTheFileSays) {
 
 TEST(Overrides, TakeTheFilesRivalsWithThem) {
   const std::string file = "[soil]\npreset = 'P2'\nradius_mm = 5\n[gravity]\nbody = 'Mars'\n";
-  const Scenario named = with(file, {"soil.name=dry-sand", "gravity.magnitude_m_s2=3"});
+  const SceneFile named = with(file, {"soil.name=dry-sand", "gravity.magnitude_m_s2=3"});
   EXPECT_EQ(named.soil_name, "dry-sand");
   EXPECT_EQ(named.preset, "");
   EXPECT_DOUBLE_EQ(named.bed.soil.radius_m, 5e-3);
@@ -44,23 +44,23 @@ TEST(Overrides, TakeTheFilesRivalsWithThem) {
 }
 
 TEST(Overrides, ANamedSoilIsThatSoilWithItsOwnFrictionAsWithTheOptionSoil) {
-  const Scenario named = findScenario("paper", Texts{"soil.name=dry-sand"});
-  Scenario by_option = findScenario("paper");
+  const SceneFile named = findSceneFile("paper", Texts{"soil.name=dry-sand"});
+  SceneFile by_option = findSceneFile("paper");
   changeSoil(by_option, "dry-sand");
   EXPECT_EQ(named.bed.soil, by_option.bed.soil);
   EXPECT_EQ(named.bed.soil.friction, FrictionModel::kContact) << "the paper's scene says paper";
   EXPECT_EQ(named.bed.start, by_option.bed.start) << "no crystal";
-  Scenario by_preset = findScenario("paper");
+  SceneFile by_preset = findSceneFile("paper");
   changePreset(by_preset, "P1");
-  EXPECT_EQ(findScenario("paper", Texts{"soil.preset=P1"}).bed.soil, by_preset.bed.soil);
-  const Scenario own = findScenario("paper", Texts{"soil.name=dry-sand", "soil.friction=paper", "bed.start=packed"});
+  EXPECT_EQ(findSceneFile("paper", Texts{"soil.preset=P1"}).bed.soil, by_preset.bed.soil);
+  const SceneFile own = findSceneFile("paper", Texts{"soil.name=dry-sand", "soil.friction=paper", "bed.start=packed"});
   EXPECT_EQ(own.bed.soil.friction, FrictionModel::kPaper);
   EXPECT_EQ(own.bed.start, BedStart::kPacked);
 }
 
 TEST(Overrides, ReplaceATitleThatMayNameWhatTheyChange) {
-  const auto titled = [](const Texts& overrides) { return findScenario("europa", overrides).title; };
-  const std::string own = findScenario("europa").title;
+  const auto titled = [](const Texts& overrides) { return findSceneFile("europa", overrides).title; };
+  const std::string own = findSceneFile("europa").title;
   EXPECT_EQ(titled({"bed.seed=3"}), own);
   EXPECT_EQ(titled({"soil.preset=P4"}), own) << "it is the same soil";
   EXPECT_EQ(titled({"soil.preset=P1"}), "P1 soil, Europa, R = 7 mm, shovel, carry");
@@ -70,10 +70,10 @@ TEST(Overrides, ReplaceATitleThatMayNameWhatTheyChange) {
   EXPECT_EQ(titled({"tool.name=scoop"}), "P4 soil, Europa, R = 7 mm, scoop, carry");
   EXPECT_EQ(titled({"tool.shape=plate", "hand.manoeuvre=still"}), "P4 soil, Europa, R = 7 mm, plate");
   EXPECT_EQ(titled({"soil.preset=P1", "title=mine"}), "mine");
-  Scenario scene = findScenario("europa", Texts{"soil.preset=P1"});
+  SceneFile scene = findSceneFile("europa", Texts{"soil.preset=P1"});
   changeBody(scene, "Mars");
   EXPECT_EQ(scene.title, "P1 soil, Mars, R = 7 mm, shovel, carry");
-  EXPECT_EQ(findScenario("stones", Texts{"soil.radius_mm=6"}).title,
+  EXPECT_EQ(findSceneFile("stones", Texts{"soil.radius_mm=6"}).title,
             "lunar-0-15cm soil, Moon, R = 6 mm, stones, shovel, stir");
 }
 
@@ -109,7 +109,7 @@ TEST(Overrides, SayWhichOfThemIsWrong) {
 
 TEST(Overrides, WithoutEffectIsToldOfThemAndNotOfTheFilesKeysThatTheyReplace) {
   const Texts overrides{"soil.name=dry-sand", "tool.shape=sphere", "tool.size_mm=[10, 10, 10]"};
-  const auto idle = idleKeys("paper", findScenario("paper", overrides), overrides);
+  const auto idle = idleKeys("paper", findSceneFile("paper", overrides), overrides);
   EXPECT_THAT(idle, testing::ElementsAre(
                         testing::StartsWith("override tool.size_mm=[10, 10, 10]: [tool] size_mm has no effect")));
 }
@@ -126,9 +126,9 @@ TEST(Overrides, CarryKeyValueAndRangeApart) {
 }
 
 TEST(Changed, KeepsTheSizeOfTheGrainsThatLieThere) {
-  Scenario scene;
+  SceneFile scene;
   scene.bed.soil = rescaled(scene.bed.soil, 4e-3);
-  const Scenario other = changed(scene, Texts{"soil.preset=P1"});
+  const SceneFile other = changed(scene, Texts{"soil.preset=P1"});
   EXPECT_EQ(other.preset, "P1");
   EXPECT_DOUBLE_EQ(other.bed.soil.radius_m, 4e-3);
   EXPECT_EQ(other.bed.soil.mu_hat, findPreset("P1").soil.mu_hat);

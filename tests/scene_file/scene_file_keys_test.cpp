@@ -33,9 +33,9 @@ std::string documented(const Key& key) {
   return fmt::format("| `{}` | {} | {} |\n", key.name, validText(key), key.meaning);
 }
 
-TEST(ScenarioKeys, AreAllInTheDocument) {
+TEST(SceneFileKeys, AreAllInTheDocument) {
   const std::string document = readSource("docs/scenes.md");
-  for (const ScenarioKey& key : scenarioKeys()) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
     const std::size_t section =
         document.find(key.table.empty() ? "## At the top\n" : fmt::format("## [{}]\n", key.table));
     ASSERT_NE(section, std::string::npos) << "no section for " << key.table;
@@ -44,7 +44,7 @@ TEST(ScenarioKeys, AreAllInTheDocument) {
   }
 }
 
-TEST(ScenarioKeys, OfAStoneAreAllInTheDocument) {
+TEST(SceneFileKeys, OfAStoneAreAllInTheDocument) {
   const std::string document = readSource("docs/scenes.md");
   const std::string text = document.substr(document.find("## [[stone]]\n"));
   for (const StoneKey& key : stoneKeys()) {
@@ -52,7 +52,7 @@ TEST(ScenarioKeys, OfAStoneAreAllInTheDocument) {
   }
 }
 
-TEST(ScenarioKeys, OfAToolsPartAreAllInTheDocument) {
+TEST(SceneFileKeys, OfAToolsPartAreAllInTheDocument) {
   const std::string document = readSource("docs/scenes.md");
   const std::string text = document.substr(document.find("## [[tool_part]]\n"));
   for (const ToolPartKey& key : toolPartKeys()) {
@@ -60,25 +60,25 @@ TEST(ScenarioKeys, OfAToolsPartAreAllInTheDocument) {
   }
 }
 
-TEST(ScenarioKeys, TheDocumentHasNoOthers) {
+TEST(SceneFileKeys, TheDocumentHasNoOthers) {
   const std::string document = readSource("docs/scenes.md");
   std::ptrdiff_t rows = 0;
   for (std::size_t at = document.find("\n| `"); at != std::string::npos; at = document.find("\n| `", at + 1)) {
     ++rows;
   }
-  EXPECT_EQ(rows, std::ssize(scenarioKeys()) + std::ssize(stoneKeys()) + std::ssize(toolPartKeys()));
+  EXPECT_EQ(rows, std::ssize(sceneFileKeys()) + std::ssize(stoneKeys()) + std::ssize(toolPartKeys()));
 }
 
-TEST(ScenarioKeys, AreAllInThePapersScene) {
+TEST(SceneFileKeys, AreAllInThePapersScene) {
   const std::string scene = readSource("scenes/paper.toml");
-  for (const ScenarioKey& key : scenarioKeys()) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
     EXPECT_THAT(scene, HasSubstr(std::string(key.name) + " = "));
   }
 }
 
-TEST(ScenarioKeys, SayWhatIsValid) {
+TEST(SceneFileKeys, SayWhatIsValid) {
   const auto valid = [](std::string_view table, std::string_view name) {
-    for (const ScenarioKey& key : scenarioKeys()) {
+    for (const SceneFileKey& key : sceneFileKeys()) {
       if (key.table == table && key.name == name) {
         return validText(key);
       }
@@ -95,8 +95,8 @@ TEST(ScenarioKeys, SayWhatIsValid) {
 // --- what a key accepts, the parameters accept, and the reverse ------------------------------------------------------
 
 /// A scene in which every number of the key's table is checked.
-Scenario sceneFor(const ScenarioKey& key) {
-  Scenario scene;
+SceneFile sceneFor(const SceneFileKey& key) {
+  SceneFile scene;
   scene.bed.start = key.name == "depth_mm" ? BedStart::kPacked
                     : key.name == "seed"   ? BedStart::kRain
                                            : BedStart::kCount;
@@ -104,12 +104,12 @@ Scenario sceneFor(const ScenarioKey& key) {
 }
 
 /// Gives the key a number, three times the same for a vector; gravity has one axis. False for a key without a range.
-bool give(const ScenarioKey& key, Scenario& scene, double number) {
-  if (const auto* value = std::get_if<ScenarioKey::NumberValue>(&key.value)) {
+bool give(const SceneFileKey& key, SceneFile& scene, double number) {
+  if (const auto* value = std::get_if<SceneFileKey::NumberValue>(&key.value)) {
     value->set(scene, number);
-  } else if (const auto* count = std::get_if<ScenarioKey::CountValue>(&key.value)) {
+  } else if (const auto* count = std::get_if<SceneFileKey::CountValue>(&key.value)) {
     count->set(scene, static_cast<std::int64_t>(number));
-  } else if (const auto* vector = std::get_if<ScenarioKey::VectorValue>(&key.value)) {
+  } else if (const auto* vector = std::get_if<SceneFileKey::VectorValue>(&key.value)) {
     vector->set(scene, key.table == "gravity" ? Vec3(0, 0, number) : Vec3(Vec3::Constant(number)));
   } else {
     return false;
@@ -117,7 +117,7 @@ bool give(const ScenarioKey& key, Scenario& scene, double number) {
   return true;
 }
 
-std::optional<Range> rangeOf(const ScenarioKey& key) {
+std::optional<Range> rangeOf(const SceneFileKey& key) {
   const auto range = [](const auto& value) -> std::optional<Range> {
     if constexpr (requires { value.valid.lowest; }) {
       return value.valid;
@@ -128,7 +128,7 @@ std::optional<Range> rangeOf(const ScenarioKey& key) {
   return std::visit(range, key.value);
 }
 
-void checkTable(const Scenario& scene, std::string_view table) {
+void checkTable(const SceneFile& scene, std::string_view table) {
   if (table == "soil") {
     validate(scene.bed.soil);
   } else if (table == "tool") {
@@ -152,8 +152,8 @@ void checkTable(const Scenario& scene, std::string_view table) {
 }
 
 /// Whether the parameters take this number of this key; another parameter may mind it.
-bool accepts(const ScenarioKey& key, double number) {
-  Scenario scene = sceneFor(key);
+bool accepts(const SceneFileKey& key, double number) {
+  SceneFile scene = sceneFor(key);
   give(key, scene, number);
   try {
     checkTable(scene, key.table);
@@ -168,17 +168,17 @@ double outside(double end, double direction) {
   return end + direction * std::max(1.0, std::abs(end)) * 0.001 + (end > 1e15 ? direction * 1e13 : 0);
 }
 
-TEST(ScenarioKeys, AcceptWhatTheParametersAcceptAtBothEnds) {
+TEST(SceneFileKeys, AcceptWhatTheParametersAcceptAtBothEnds) {
   // What else is in the scene makes these narrower: a box is at least a particle wide, a spring's mass follows it.
   constexpr std::array<std::string_view, 5> kNarrower{"width_mm", "length_mm", "depth_mm", "rho_max_kg_m3", "mass_kg"};
-  for (const ScenarioKey& key : scenarioKeys()) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
     const std::optional<Range> range = rangeOf(key);
     // A direction has no magnitude, and of the finest grains only halves of the soil's are taken.
     if (!range || key.name == "direction" || key.name == "fine_radius_mm") {
       continue;
     }
     SCOPED_TRACE(fmt::format("[{}] {}: {}", key.table, key.name, range->text()));
-    const bool is_count = std::holds_alternative<ScenarioKey::CountValue>(key.value);
+    const bool is_count = std::holds_alternative<SceneFileKey::CountValue>(key.value);
     if (std::isfinite(range->lowest)) {
       const bool closed = range->ends == Ends::kClosed;
       const bool narrower = std::ranges::find(kNarrower, key.name) != kNarrower.end();
@@ -193,8 +193,8 @@ TEST(ScenarioKeys, AcceptWhatTheParametersAcceptAtBothEnds) {
   }
 }
 
-TEST(ScenarioKeys, HaveTheRangeOfTheParametersInTheirOwnUnit) {
-  for (const ScenarioKey& key : scenarioKeys()) {
+TEST(SceneFileKeys, HaveTheRangeOfTheParametersInTheirOwnUnit) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
     if (key.table == "tool" && key.name == "diameter_mm") {
       EXPECT_EQ(validText(key), "0.01 to 10000");
     } else if (key.name == "turn_deg") {

@@ -28,39 +28,39 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-Scenario readAgain(const Scenario& scene) {
-  return loadScenarioText(scenarioText(scene), "again.toml");
+SceneFile readAgain(const SceneFile& scene) {
+  return loadSceneFileText(sceneFileText(scene), "again.toml");
 }
 
-void expectSameAgain(const Scenario& scene, const std::string& what) {
-  const Scenario again = readAgain(scene);
-  EXPECT_TRUE(again == scene) << what << ":\n" << scenarioText(scene);
-  EXPECT_EQ(scenarioText(again), scenarioText(scene)) << what;
+void expectSameAgain(const SceneFile& scene, const std::string& what) {
+  const SceneFile again = readAgain(scene);
+  EXPECT_TRUE(again == scene) << what << ":\n" << sceneFileText(scene);
+  EXPECT_EQ(sceneFileText(again), sceneFileText(scene)) << what;
 }
 
-Scenario numbered(Scenario scene, double radius_m) {
+SceneFile numbered(SceneFile scene, double radius_m) {
   scene.bed.soil = rescaled(scene.bed.soil, radius_m);
   return scene;
 }
 
-TEST(ScenarioText, GivesEverySceneThatIsShippedBack) {
+TEST(SceneFileText, GivesEverySceneThatIsShippedBack) {
   for (const fs::directory_entry& entry : fs::directory_iterator(sourceDir() / "scenes")) {
     if (entry.path().extension() == ".toml") {
-      expectSameAgain(loadScenario(entry.path()), entry.path().filename().string());
+      expectSameAgain(loadSceneFile(entry.path()), entry.path().filename().string());
     }
   }
 }
 
-TEST(ScenarioText, RefusesAToolThatOnlyTheLaboratoryHas) {
+TEST(SceneFileText, RefusesAToolThatOnlyTheLaboratoryHas) {
   for (const ToolShape shape : {ToolShape::kCone, ToolShape::kTube}) {
-    Scenario scene;
+    SceneFile scene;
     scene.tool.shape = shape;
-    EXPECT_THROW((void)scenarioText(scene), InvalidParameter);
+    EXPECT_THROW((void)sceneFileText(scene), InvalidParameter);
   }
 }
 
-TEST(ScenarioText, GivesThePapersSceneBackToTheNumbersThatWereWritten) {
-  const std::string text = scenarioText({});
+TEST(SceneFileText, GivesThePapersSceneBackToTheNumbersThatWereWritten) {
+  const std::string text = sceneFileText({});
   EXPECT_THAT(text, HasSubstr("title = \"The paper's scene\"\n"));
   EXPECT_THAT(text, HasSubstr("\n[soil]\nradius_mm = 7\ngamma_nm = 4e-05\nrho0_kg_m3 = 1330\n"));
   EXPECT_THAT(text, HasSubstr("\nsize_mm = [50, 40, 5]\n"));
@@ -68,16 +68,16 @@ TEST(ScenarioText, GivesThePapersSceneBackToTheNumbersThatWereWritten) {
   EXPECT_THAT(text, Not(HasSubstr("\nsurface_mm"))) << "it is measured";
 }
 
-TEST(ScenarioText, GivesEverySoilAtEveryRadiusBack) {
+TEST(SceneFileText, GivesEverySoilAtEveryRadiusBack) {
   for (const double radius_m : {7e-3, 3.5e-3, 1.1 * 1e-3, 13.7 * 1e-3}) {
     for (const Preset& preset : presets()) {
-      Scenario scene = numbered({}, radius_m);
+      SceneFile scene = numbered({}, radius_m);
       changePreset(scene, preset.name);
       expectSameAgain(scene, fmt::format("{} at {} m", preset.name, radius_m));
       EXPECT_EQ(readAgain(scene).preset, preset.name);
     }
     for (const std::string& name : soilNames()) {
-      Scenario scene = numbered({}, radius_m);
+      SceneFile scene = numbered({}, radius_m);
       changeSoil(scene, name);
       expectSameAgain(scene, fmt::format("{} at {} m", name, radius_m));
       EXPECT_EQ(readAgain(scene).soil_name, name);
@@ -85,9 +85,9 @@ TEST(ScenarioText, GivesEverySoilAtEveryRadiusBack) {
   }
 }
 
-TEST(ScenarioText, GivesGravityBackAfterAnyTurnAndAnyWorld) {
+TEST(SceneFileText, GivesGravityBackAfterAnyTurnAndAnyWorld) {
   std::mt19937_64 random(3);
-  Scenario scene;
+  SceneFile scene;
   for (int turn = 0; turn < 100; ++turn) {
     scene.bed.gravity_m_s2 = Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random));
     changeBody(scene, bodies()[static_cast<std::size_t>(turn) % bodies().size()].name);
@@ -98,8 +98,8 @@ TEST(ScenarioText, GivesGravityBackAfterAnyTurnAndAnyWorld) {
   EXPECT_FALSE(std::signbit(readAgain(scene).bed.gravity_m_s2.y()));
 }
 
-TEST(ScenarioText, KeepsWhatNumbersWereCalledAndWhatHasNoName) {
-  Scenario scene;
+TEST(SceneFileText, KeepsWhatNumbersWereCalledAndWhatHasNoName) {
+  SceneFile scene;
   scene.bed.soil.mu_hat = 0.3;  // a slider: still called P3
   scene.body = "";
   expectSameAgain(scene, "a preset with another number");
@@ -112,7 +112,7 @@ TEST(ScenarioText, KeepsWhatNumbersWereCalledAndWhatHasNoName) {
 
 // --- every key -------------------------------------------------------------------------------------------------------
 
-bool onlyChooses(const ScenarioKey& key) {
+bool onlyChooses(const SceneFileKey& key) {
   if ((key.table == "tool" && (key.name == "mesh" || key.name == "name")) || key.name == "grains") {
     return true;
   }
@@ -120,8 +120,8 @@ bool onlyChooses(const ScenarioKey& key) {
   return (key.table == "soil" || key.table == "gravity") && std::ranges::find(kChoices, key.name) != kChoices.end();
 }
 
-TEST(ScenarioText, EveryKeyIsWrittenButThoseThatChooseWhatOthersWrite) {
-  for (const ScenarioKey& key : scenarioKeys()) {
+TEST(SceneFileText, EveryKeyIsWrittenButThoseThatChooseWhatOthersWrite) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
     const bool written = std::visit([](const auto& value) { return value.get != nullptr; }, key.value);
     EXPECT_EQ(written, !onlyChooses(key)) << key.table << " " << key.name;
   }
@@ -141,8 +141,8 @@ std::string tetrahedronData(std::mt19937_64& random) {
 }
 
 /// Some other value than the default's, as TOML.
-std::string someValue(const ScenarioKey& key, std::mt19937_64& random) {
-  using Key = ScenarioKey;
+std::string someValue(const SceneFileKey& key, std::mt19937_64& random) {
+  using Key = SceneFileKey;
   const auto some = [&](const auto& value) -> std::string {
     using Value = std::decay_t<decltype(value)>;
     if constexpr (std::is_same_v<Value, Key::NumberValue>) {
@@ -156,7 +156,7 @@ std::string someValue(const ScenarioKey& key, std::mt19937_64& random) {
       const double low = anyIn(value.valid, random);
       return fmt::format("[{}, {}]", low, std::max(low, anyIn(value.valid, random)));
     } else if constexpr (std::is_same_v<Value, Key::SwitchValue>) {
-      return value.get(Scenario{}) ? "false" : "true";
+      return value.get(SceneFile{}) ? "false" : "true";
     } else if constexpr (std::is_same_v<Value, Key::WordValue>) {
       return fmt::format("'{}'", value.valid[random() % value.valid.size()]);
     } else if constexpr (std::is_same_v<Value, Key::TextValue>) {
@@ -171,7 +171,7 @@ std::string someValue(const ScenarioKey& key, std::mt19937_64& random) {
 }
 
 /// The same, but such that values go together: soil that carries its own weight, in a box that holds it.
-std::string likelyValue(const ScenarioKey& key, std::mt19937_64& random) {
+std::string likelyValue(const SceneFileKey& key, std::mt19937_64& random) {
   const auto about = [&](double middle) { return fmt::format("{}", middle * (1 + 0.3 * uniformSigned(random))); };
   if (key.table == "soil" && key.name != "friction") {
     for (const auto& [name, middle] :
@@ -214,20 +214,20 @@ std::string likelyValue(const ScenarioKey& key, std::mt19937_64& random) {
   return key.name == "manoeuvre" ? "'poses'" : someValue(key, random);
 }
 
-class ScenarioWithPoses : public testing::Test {
+class SceneFileWithPoses : public testing::Test {
  protected:
-  ScenarioWithPoses() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scenario_text_{}", getpid())) {
+  SceneFileWithPoses() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scenario_text_{}", getpid())) {
     fs::create_directories(folder_);
     std::ofstream(folder_ / "moves.csv") << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
   }
-  ~ScenarioWithPoses() override { fs::remove_all(folder_); }
+  ~SceneFileWithPoses() override { fs::remove_all(folder_); }
 
   /// A scene with every key that can be written, at random.
   [[nodiscard]] std::string anyScene(std::mt19937_64& random) const {
     std::string text;
     std::string_view table;
     const bool with_mesh = random() % 20 == 0;  // which takes a while to be made
-    for (const ScenarioKey& key : scenarioKeys()) {
+    for (const SceneFileKey& key : sceneFileKeys()) {
       if (onlyChooses(key) || (key.name == "mesh_data" && !with_mesh) || key.name == "grains_data") {
         continue;
       }
@@ -248,18 +248,18 @@ class ScenarioWithPoses : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(ScenarioWithPoses, GiveEveryKeyBackWhateverItIs) {
+TEST_F(SceneFileWithPoses, GiveEveryKeyBackWhateverItIs) {
   std::mt19937_64 random(11);
   for (int round = 0; round < 200; ++round) {
     const std::string text = anyScene(random);
-    const Scenario scene = loadScenarioText(text, (folder_ / "any.toml").string());
-    ASSERT_TRUE(readAgain(scene) == scene) << text << "\nbecomes\n" << scenarioText(scene);
-    ASSERT_EQ(scenarioText(readAgain(scene)), scenarioText(scene));
+    const SceneFile scene = loadSceneFileText(text, (folder_ / "any.toml").string());
+    ASSERT_TRUE(readAgain(scene) == scene) << text << "\nbecomes\n" << sceneFileText(scene);
+    ASSERT_EQ(sceneFileText(readAgain(scene)), sceneFileText(scene));
   }
 }
 
-TEST(ScenarioText, GivesStonesBack) {
-  const Scenario scene = loadScenarioText(R"(
+TEST(SceneFileText, GivesStonesBack) {
+  const SceneFile scene = loadSceneFileText(R"(
 [soil]
 name = "lunar-0-15cm"
 [bed]
@@ -283,7 +283,7 @@ spheres_mm = [0, 0, 0, 8, 0, 0.1, 12, 8]
 y_mm = 20
 fixed = true
 )",
-                                          "x");
+                                            "x");
   EXPECT_EQ(scene.bed.stones.count, 7);
   ASSERT_EQ(scene.bed.stones.placed.size(), 2U);
   EXPECT_NEAR(scene.bed.stones.placed[0].size_m, 33.3e-3, 1e-12);
@@ -292,10 +292,10 @@ fixed = true
   expectSameAgain(scene, "stones");
 }
 
-TEST(ScenarioText, RefusesStonesThatCannotBeWithTheirLine) {
+TEST(SceneFileText, RefusesStonesThatCannotBeWithTheirLine) {
   const auto refusal = [](const std::string& text) -> std::string {
     try {
-      (void)scenarioFromText("[soil]\nname = 'lunar-0-15cm'\n" + text, "x");
+      (void)sceneFileFromText("[soil]\nname = 'lunar-0-15cm'\n" + text, "x");
     } catch (const InvalidParameter& error) {
       return error.what();
     }
@@ -313,8 +313,8 @@ TEST(ScenarioText, RefusesStonesThatCannotBeWithTheirLine) {
   EXPECT_THAT(refusal("stone = 3\n"), HasSubstr("stone"));
 }
 
-TEST_F(ScenarioWithPoses, DependOnNoFolder) {
-  Scenario scene;
+TEST_F(SceneFileWithPoses, DependOnNoFolder) {
+  SceneFile scene;
   scene.hand.manoeuvre = Manoeuvre::kPoses;
   scene.hand.poses_file = fs::relative(folder_ / "moves.csv").string();
   EXPECT_TRUE(fs::path(readAgain(scene).hand.poses_file).is_absolute());
@@ -325,16 +325,16 @@ TEST_F(ScenarioWithPoses, DependOnNoFolder) {
   EXPECT_EQ(readAgain(scene).hand.poses_file, "");
 }
 
-TEST_F(ScenarioWithPoses, AreRefusedWhenTheyHaveGone) {
-  Scenario scene;
+TEST_F(SceneFileWithPoses, AreRefusedWhenTheyHaveGone) {
+  SceneFile scene;
   scene.hand.manoeuvre = Manoeuvre::kPoses;
   scene.hand.poses_file = (folder_ / "gone.csv").string();
-  EXPECT_THAT([&] { (void)scenarioText(scene); }, testing::ThrowsMessage<InvalidParameter>(HasSubstr("gone.csv")));
+  EXPECT_THAT([&] { (void)sceneFileText(scene); }, testing::ThrowsMessage<InvalidParameter>(HasSubstr("gone.csv")));
 }
 
-TEST(ScenarioText, RefusesWhatNoFileCanHold) {
+TEST(SceneFileText, RefusesWhatNoFileCanHold) {
   const auto with = [](auto change) {
-    Scenario scene;
+    SceneFile scene;
     change(scene);
     return scene;
   };
@@ -347,25 +347,26 @@ TEST(ScenarioText, RefusesWhatNoFileCanHold) {
     }
     return length_m;
   };
-  for (const Scenario& scene :
-       {with([](Scenario& s) { s.bed.periodic_x = true; }),
-        with([](Scenario& s) { s.bed.tick_s = s.loop.tick_s = 5e-4; }),
-        with([](Scenario& s) { s.tool.cone_angle_rad = 0.5; }), with([](Scenario& s) { s.title = ""; }),
-        with([](Scenario& s) { s.title = "two\nlines"; }), with([](Scenario& s) { s.bed.soil.mu_hat = std::nan(""); }),
-        with([](Scenario& s) { s.bed.soil.stiffness_n_m = INFINITY; }),
-        with([](Scenario& s) { s.bed.seed = ~std::uint64_t{0}; }),
-        with([&](Scenario& s) { s.bed.width_m = without_mm(); })}) {
-    EXPECT_THROW((void)scenarioText(scene), InvalidParameter) << scene.title;
+  for (const SceneFile& scene :
+       {with([](SceneFile& s) { s.bed.periodic_x = true; }),
+        with([](SceneFile& s) { s.bed.tick_s = s.loop.tick_s = 5e-4; }),
+        with([](SceneFile& s) { s.tool.cone_angle_rad = 0.5; }), with([](SceneFile& s) { s.title = ""; }),
+        with([](SceneFile& s) { s.title = "two\nlines"; }),
+        with([](SceneFile& s) { s.bed.soil.mu_hat = std::nan(""); }),
+        with([](SceneFile& s) { s.bed.soil.stiffness_n_m = INFINITY; }),
+        with([](SceneFile& s) { s.bed.seed = ~std::uint64_t{0}; }),
+        with([&](SceneFile& s) { s.bed.width_m = without_mm(); })}) {
+    EXPECT_THROW((void)sceneFileText(scene), InvalidParameter) << scene.title;
   }
 }
 
-TEST(LoadScenarioText, RefusesAsAFileDoesAndCallsItByItsName) {
-  EXPECT_THAT([] { (void)loadScenarioText("[soil]\nmu_hat = -1\n", "scene of a recording"); },
-              testing::ThrowsMessage<ScenarioError>(
-                  "scene of a recording:2: [soil] mu_hat = -1 is not valid: must be 0 to 10"));
-  EXPECT_THROW((void)loadScenarioText("", "nothing"), ScenarioError);
-  EXPECT_THAT([] { (void)loadScenarioText("[gravity]\nvector_m_s2 = [0, 0, -1]\nbody = 'Moon'\n", "x"); },
-              testing::ThrowsMessage<ScenarioError>(HasSubstr("vector_m_s2 and body cannot both be given")));
+TEST(LoadSceneFileText, RefusesAsAFileDoesAndCallsItByItsName) {
+  EXPECT_THAT(
+      [] { (void)loadSceneFileText("[soil]\nmu_hat = -1\n", "scene of a recording"); },
+      testing::ThrowsMessage<TomlError>("scene of a recording:2: [soil] mu_hat = -1 is not valid: must be 0 to 10"));
+  EXPECT_THROW((void)loadSceneFileText("", "nothing"), TomlError);
+  EXPECT_THAT([] { (void)loadSceneFileText("[gravity]\nvector_m_s2 = [0, 0, -1]\nbody = 'Moon'\n", "x"); },
+              testing::ThrowsMessage<TomlError>(HasSubstr("vector_m_s2 and body cannot both be given")));
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ class SoilFiles : public testing::Test {
   [[nodiscard]] std::string errorOf(const std::string& text) const {
     try {
       (void)load(text);
-    } catch (const ScenarioError& error) {
+    } catch (const TomlError& error) {
       return std::string(error.what()).substr(folder_.string().size() + 1);
     }
     return "no error";
@@ -384,15 +384,15 @@ TEST_F(SoilFiles, WhatCouldNotBeLoadedIsNotSaved) {
 
 class SoilsInScenes : public SoilFiles {
  protected:
-  [[nodiscard]] Scenario loadScene(const std::string& text) const {
+  [[nodiscard]] SceneFile loadScene(const std::string& text) const {
     std::ofstream(folder_ / "scene.toml") << text;
-    return loadScenario(folder_ / "scene.toml");
+    return loadSceneFile(folder_ / "scene.toml");
   }
 
   [[nodiscard]] std::string sceneErrorOf(const std::string& text) const {
     try {
       (void)loadScene(text);
-    } catch (const ScenarioError& error) {
+    } catch (const TomlError& error) {
       return std::string(error.what()).substr(folder_.string().size() + 1);
     }
     return "no error";
@@ -400,7 +400,7 @@ class SoilsInScenes : public SoilFiles {
 };
 
 TEST_F(SoilsInScenes, ANameIsABuiltInSoil) {
-  const Scenario scene = loadScene("[soil]\nname = 'Surveyor-3'\n");
+  const SceneFile scene = loadScene("[soil]\nname = 'Surveyor-3'\n");
   EXPECT_EQ(scene.soil_name, "surveyor-3");
   EXPECT_EQ(scene.preset, "");
   expectSameNumbers(scene.bed.soil, findSoil("surveyor-3").soil);
@@ -408,14 +408,14 @@ TEST_F(SoilsInScenes, ANameIsABuiltInSoil) {
 
 TEST_F(SoilsInScenes, AFileLiesBesideTheScene) {
   (void)write(kTarget + kSoil);
-  const Scenario scene = loadScene("[soil]\nfile = 'x.toml'\n");
+  const SceneFile scene = loadScene("[soil]\nfile = 'x.toml'\n");
   EXPECT_EQ(scene.soil_name, "x");
   EXPECT_EQ(scene.preset, "");
   EXPECT_EQ(scene.bed.soil.contact_cohesion_n, 0.1);
 }
 
 TEST_F(SoilsInScenes, TheRadiusRescalesANamedSoil) {
-  const Scenario scene = loadScene("[soil]\nradius_mm = 3.5\nname = 'jsc-1a'\ndamping_ratio = 0.3\n");
+  const SceneFile scene = loadScene("[soil]\nradius_mm = 3.5\nname = 'jsc-1a'\ndamping_ratio = 0.3\n");
   SoilParameters expected = rescaled(findSoil("jsc-1a").soil, 3.5 * 1e-3);
   expected.damping_ratio = 0.3;
   expectSameNumbers(scene.bed.soil, expected);
@@ -466,11 +466,11 @@ TEST(SoilFileKeys, AreAllInTheDocumentAndNoOthers) {
 
 TEST(SoilFileKeys, OfSoilAreThoseOfASceneThatAreNumbersOfTheSoil) {
   std::vector<std::string_view> names;
-  for (const ScenarioKey& key : soilKeys()) {
+  for (const SceneFileKey& key : soilKeys()) {
     EXPECT_EQ(key.table, "soil");
     names.push_back(key.name);
   }
-  const auto in_scenes = std::ranges::count(scenarioKeys(), std::string_view("soil"), &ScenarioKey::table);
+  const auto in_scenes = std::ranges::count(sceneFileKeys(), std::string_view("soil"), &SceneFileKey::table);
   EXPECT_EQ(std::ssize(names) + 3, in_scenes) << "all but preset, name and file";
   EXPECT_THAT(names, AllOf(testing::Contains("friction"), Not(testing::Contains("preset")),
                            Not(testing::Contains("name")), Not(testing::Contains("file"))));

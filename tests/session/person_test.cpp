@@ -66,7 +66,7 @@ class PersonsDevice final : public HapticDevice {
 class PersonsSession : public testing::Test {
  protected:
   PersonsSession() {
-    Scenario scenario;
+    SceneFile scenario;
     scenario.loop.paced = false;
     scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
     scenario.handling.safety.soft_start_s = 0.5;

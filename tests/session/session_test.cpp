@@ -19,14 +19,14 @@ using namespace std::chrono_literals;
 /// A session that runs as fast as it can, under a hand that keeps still above the soil.
 class SessionTest : public testing::Test {
  protected:
-  static Scenario quiet() {
-    Scenario scenario;
+  static SceneFile quiet() {
+    SceneFile scenario;
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
     return scenario;
   }
 
-  void start(const Scenario& scenario = quiet()) {
+  void start(const SceneFile& scenario = quiet()) {
     session_ = std::make_unique<Session>(scenario, false);
     session_->start(stop_);
   }
@@ -114,7 +114,7 @@ TEST_F(SessionTest, ASliderChangesTheSoilThatLiesThere) {
 }
 
 TEST_F(SessionTest, ASliderThatTheListsAreNotGoodForTakesTheSoilAsItLies) {
-  Scenario cohesionless = quiet();
+  SceneFile cohesionless = quiet();
   cohesionless.bed.soil.friction = FrictionModel::kContact;
   cohesionless.hand.manoeuvre = Manoeuvre::kStir;
   start(cohesionless);
@@ -134,7 +134,7 @@ TEST_F(SessionTest, ASliderThatTheListsAreNotGoodForTakesTheSoilAsItLies) {
 }
 
 TEST_F(SessionTest, SoilIsAdjustedWhereItLiesUnlessSomebodyWantsAnother) {
-  Scenario cohesive = quiet();
+  SceneFile cohesive = quiet();
   cohesive.bed.soil.friction = FrictionModel::kContact;
   cohesive.bed.soil.contact_cohesion_n = 0.01;
   start(cohesive);
@@ -155,7 +155,7 @@ TEST_F(SessionTest, SoilIsAdjustedWhereItLiesUnlessSomebodyWantsAnother) {
 }
 
 TEST_F(SessionTest, AdjustsNothingThatTheListsAreNotGoodFor) {
-  Scenario cohesionless = quiet();
+  SceneFile cohesionless = quiet();
   cohesionless.bed.soil.friction = FrictionModel::kContact;
   start(cohesionless);
   EXPECT_FALSE(session_->adjust({.contact_friction = 0.3, .contact_cohesion_n = 0.02, .tool_friction = 0.3}));
@@ -202,7 +202,7 @@ TEST_F(SessionTest, LettingGoRightAfterAnotherBedHasComeLeavesTheToolWhereItIs) 
 }
 
 TEST_F(SessionTest, ResetTakesBackEverythingAndLevelOnlyWhatWasDug) {
-  Scenario stirred = quiet();
+  SceneFile stirred = quiet();
   stirred.hand.manoeuvre = Manoeuvre::kStir;
   start(stirred);
   session_->change({.body = "Mars"});
@@ -218,7 +218,7 @@ TEST_F(SessionTest, ResetTakesBackEverythingAndLevelOnlyWhatWasDug) {
 }
 
 TEST_F(SessionTest, BecomesCoarserAndStaysSo) {
-  Scenario fine = findScenario("auto");
+  SceneFile fine = findSceneFile("auto");
   fine.hand.manoeuvre = Manoeuvre::kStill;
   fine.loop.paced = false;
   start(fine);
@@ -290,7 +290,7 @@ TEST_F(SessionTest, APausedSessionGoesOnTickByTick) {
 }
 
 TEST_F(SessionTest, LevelSoilLiesAsItDidAtFirstHoweverItWasMade) {
-  Scenario settled = findScenario("soil-surface");  // repeated from a tile, its sides held
+  SceneFile settled = findSceneFile("soil-surface");  // repeated from a tile, its sides held
   settled.bed.width_m = settled.bed.length_m = 0.08;
   settled.bed.depth_m = 0.02;
   settled.loop.paced = false;
@@ -339,7 +339,7 @@ TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
 }
 
 TEST_F(SessionTest, ShowsStonesWhereEachStimulusHasThem) {
-  Scenario scene = findScenario("buried-stone");
+  SceneFile scene = findSceneFile("buried-stone");
   scene.bed.start = BedStart::kPacked;  // soon at rest
   scene.loop.paced = false;
   scene.hand.manoeuvre = Manoeuvre::kStill;

@@ -52,15 +52,15 @@ TEST(SoilSliders, ContactFrictionSoilHasThoseOfItsContacts) {
   EXPECT_DOUBLE_EQ(withSlider(soil, "contact_friction", 0).contact_friction, 0);
 }
 
-Scenario sceneWith(const std::string& soil_name) {
-  Scenario scenario;
+SceneFile sceneWith(const std::string& soil_name) {
+  SceneFile scenario;
   changeSoil(scenario, soil_name);
   return scenario;
 }
 
 TEST(SoilSliders, ASoilThatWasCalibratedShowsWhatWasMeasuredOfIt) {
   for (const std::string& name : soilNames()) {
-    const Scenario scenario = sceneWith(name);
+    const SceneFile scenario = sceneWith(name);
     const auto sliders = slidersOf(scenario.bed.soil, calibrationOf(scenario));
     ASSERT_EQ(sliders.size(), 2U) << name;
     EXPECT_EQ(sliders[0].key, "friction_angle_deg");
@@ -76,7 +76,7 @@ TEST(SoilSliders, ASoilThatWasCalibratedShowsWhatWasMeasuredOfIt) {
 
 TEST(SoilSliders, ACalibratedSoilTakesDegreesAndPascalsAndKeepsTheOther) {
   for (const std::string& name : soilNames()) {
-    const Scenario scenario = sceneWith(name);
+    const SceneFile scenario = sceneWith(name);
     const auto calibration = calibrationOf(scenario);
     const SoilParameters& soil = scenario.bed.soil;
     const ShearStrength before = calibration->of(soil);
@@ -98,7 +98,7 @@ TEST(SoilSliders, ACalibratedSoilTakesDegreesAndPascalsAndKeepsTheOther) {
 }
 
 TEST(SoilSliders, ACalibrationIsAsGoodForParticlesOfAnotherSize) {
-  Scenario scenario = sceneWith("lunar-0-15cm");
+  SceneFile scenario = sceneWith("lunar-0-15cm");
   scenario.bed.soil = rescaled(scenario.bed.soil, 3.5e-3);
   const auto calibration = calibrationOf(scenario);
   ASSERT_TRUE(calibration);
@@ -107,7 +107,7 @@ TEST(SoilSliders, ACalibrationIsAsGoodForParticlesOfAnotherSize) {
 }
 
 TEST(SoilSliders, WhereNothingWasCalibratedContactsAreCalledContacts) {
-  Scenario scenario;
+  SceneFile scenario;
   EXPECT_FALSE(calibrationOf(scenario)) << "a preset";
   scenario = sceneWith("dry-sand");
   scenario.bed.soil.stiffness_n_m *= 2;

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 class SessionRigTest : public testing::Test {
  protected:
   void SetUp() override {
-    Scenario scenario;
+    SceneFile scenario;
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
     session_ = std::make_unique<Session>(scenario, true);

@@ -217,7 +217,7 @@ TEST_F(StoreRemoval, AStudyOfTheFirstVersionGivesNoCodeASecondTimeEither) {
     database.exec(fmt::format("PRAGMA application_id = {}", kStudyApplicationId));
     SQLite::Statement study(database, "INSERT INTO study VALUES (1, 'A study', ?, ?, 42, 'then')");
     study.bind(1, kTwoBlocks);
-    study.bind(2, scenarioText(Scenario()));
+    study.bind(2, sceneFileText(SceneFile()));
     study.exec();
     database.exec("INSERT INTO participant (number, code, state, begun_at) VALUES (3, 'S07', 'finished', 'then')");
   }

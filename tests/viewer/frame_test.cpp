@@ -275,7 +275,7 @@ class TurnedDevice final : public HapticDevice {
 };
 
 TEST(Frame, ShowsWhatATurnedDeviceIsSentInTheScenesAxes) {
-  const Scenario paper;
+  const SceneFile paper;
   Scene scene(paper.bed, paper.tool);
   TurnedDevice device;
   LoopParameters unpaced;

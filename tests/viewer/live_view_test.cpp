@@ -76,7 +76,7 @@ class LiveViewTest : public testing::Test {
  protected:
   explicit LiveViewTest(bool has_extension = false, LiveView::Clients clients = LiveView::Clients::kCommand,
                         std::unique_ptr<HapticDevice> device = nullptr) {
-    Scenario scenario;
+    SceneFile scenario;
     scenario.hand.manoeuvre = Manoeuvre::kStill;
     scenario.loop.paced = false;
     session_ = std::make_unique<Session>(scenario, false, SettleProgress{}, std::move(device));
@@ -141,7 +141,7 @@ class LiveViewTest : public testing::Test {
 };
 
 TEST(SceneMessage, TellsHowManyGrainsThereAreOfEachSize) {
-  Scenario scenario;
+  SceneFile scenario;
   scenario.bed.soil.friction = FrictionModel::kContact;
   scenario.bed.width_m = scenario.bed.length_m = 0.1;
   scenario.bed.start = BedStart::kRain;
@@ -163,11 +163,11 @@ TEST(SceneMessage, TellsHowManyGrainsThereAreOfEachSize) {
 }
 
 TEST(SceneMessage, TellsOfANamedSoilWhatWasMeasuredAndNotItsParameters) {
-  const auto soil_of = [](const Scenario& wanted) {
+  const auto soil_of = [](const SceneFile& wanted) {
     const SceneLookedAt shown{.scenario = wanted, .soil = wanted.bed.soil, .grains = {}, .low_m = {}, .high_m = {}};
     return Json::parse(sceneMessages(shown, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole)["soil"];
   };
-  Scenario scenario = findScenario("regolith");
+  SceneFile scenario = findSceneFile("regolith");
   const SoilTarget measured = findSoil(scenario.soil_name).target;
   EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], measured.bulk_density_kg_m3);
   EXPECT_EQ(soil_of(scenario)["friction_angle_deg"], measured.friction_angle_deg);
@@ -176,12 +176,12 @@ TEST(SceneMessage, TellsOfANamedSoilWhatWasMeasuredAndNotItsParameters) {
   EXPECT_EQ(soil_of(scenario)["friction_angle_deg"], nullptr);
   scenario.bed.soil.rho0_kg_m3 *= 1.1;
   EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], nullptr) << "nobody has measured this one";
-  EXPECT_NEAR(soil_of(Scenario{})["bulk_density_kg_m3"].get<double>(), 1501, 20) << "Table I, not rho0";
+  EXPECT_NEAR(soil_of(SceneFile{})["bulk_density_kg_m3"].get<double>(), 1501, 20) << "Table I, not rho0";
 }
 
 TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {
-  Scenario scenario = scenarioFromText("[tool]\nname = 'rake'\n", "x.toml");
-  const auto tool_of = [](const Scenario& shown) {
+  SceneFile scenario = sceneFileFromText("[tool]\nname = 'rake'\n", "x.toml");
+  const auto tool_of = [](const SceneFile& shown) {
     const Session session(shown, false, SettleProgress{});
     return Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole)["tool"];
   };
@@ -198,11 +198,11 @@ TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {
   EXPECT_EQ(first_m, static_cast<float>(surface.points_m.front().x()));
   scenario.tool.shape = ToolShape::kSphere;
   EXPECT_EQ(tool_of(scenario)["mesh"], rake["mesh"]);
-  EXPECT_EQ(tool_of(Scenario())["mesh"], nullptr);
+  EXPECT_EQ(tool_of(SceneFile())["mesh"], nullptr);
 }
 
 TEST(SceneMessage, HasStonesOnlyWhereThereAreAny) {
-  const Session session(Scenario(), false, SettleProgress{});
+  const Session session(SceneFile(), false, SettleProgress{});
   EXPECT_FALSE(Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole).contains("stones"));
 }
 

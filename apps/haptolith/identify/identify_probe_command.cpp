@@ -37,7 +37,7 @@ struct ProbeOptions {
 Vec3 originIn(const std::string& scene) {
   const StopOnSignal stop;
   StatusLine status;
-  const Bed bed(findScenario(scene).bed, settlingIn(status));
+  const Bed bed(findSceneFile(scene).bed, settlingIn(status));
   return {0, 0, meanSurfaceHeight(bed)};
 }
 

@@ -142,7 +142,7 @@ std::vector<MeasuredClaim> claimsIn(const TomlReader& reader) {
   for (const TomlReader& part : reader.parts("claim")) {
     try {
       claims.push_back(claimIn(part));
-    } catch (const ScenarioError&) {
+    } catch (const TomlError&) {
       throw;
     } catch (const InvalidParameter& error) {
       part.refuse(part.line(), error.what());

@@ -126,10 +126,10 @@ std::string circumstancesText(const LabOptions& options, const LabSoil& soil, co
 }
 
 nlohmann::ordered_json soilJson(const SoilParameters& soil) {
-  Scenario scene;
+  SceneFile scene;
   scene.bed.soil = soil;
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (const ScenarioKey& key : soilKeys()) {
+  for (const SceneFileKey& key : soilKeys()) {
     const std::string line = tomlLine(key, scene);
     if (const std::size_t equals = line.find(" = "); equals != std::string::npos && key.name != "friction") {
       json[std::string(key.name)] = line.substr(equals + 3, line.size() - equals - 4);

@@ -168,7 +168,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   std::vector<BenchScene> scenes;
   for (const std::string& file : options.scenes) {
     for (const int threads : options.threads) {
-      const Scenario scene = findScenario(file);
+      const SceneFile scene = findSceneFile(file);
       scenes.push_back({fmt::format("{}, {}", file, pluralise(threads, "thread")), scene.bed, scene.tool, scene.hand});
       BedParameters& bed = scenes.back().bed;
       bed.threads = threads;

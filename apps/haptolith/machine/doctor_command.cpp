@@ -202,7 +202,7 @@ std::optional<FinestSoil> finestSoil(const DoctorOptions& options) {
   }
   StatusLine status;
   status.update("how fine may soil be on this machine?");
-  Scenario scene = findScenario(std::string(kAutoScene));
+  SceneFile scene = findSceneFile(std::string(kAutoScene));
   scene.loop.cpu = options.cpu;
   try {
     const FinestGrain found = fitToMachine(

@@ -45,7 +45,7 @@ struct SceneOverRos2 {
 
 class Ros2Companion final : public RunCompanion {
  public:
-  Ros2Companion(const SceneOverRos2& options, const Scenario& scenario, bool takes_target)
+  Ros2Companion(const SceneOverRos2& options, const SceneFile& scenario, bool takes_target)
       : options_(options), takes_target_(takes_target), hand_(scenario.hand), tick_s_(scenario.loop.tick_s) {
     const BedParameters& bed = scenario.bed;
     target_.fresh_s = options.timeout_s;
@@ -137,7 +137,7 @@ void addRos2Command(CLI::App& app) {
   command->add_option("--surface-hz", options->surface_hz, "Pictures of the soil a second; 0: none [5]")
       ->check(numberIn({0, 30}))
       ->option_text("HZ");
-  addRunOptions(*command, [options](Scenario& scenario, const SceneOptions& asked) {
+  addRunOptions(*command, [options](SceneFile& scenario, const SceneOptions& asked) {
     const bool somebody =
         asked.device.kind || asked.manoeuvre || asked.poses_file || scenario.device.kind != DeviceKind::kVirtualHand;
     return std::make_unique<Ros2Companion>(*options, scenario, !somebody);

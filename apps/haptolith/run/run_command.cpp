@@ -82,8 +82,8 @@ struct RunOptions {
   CompanionFactory companion;  ///< empty: none
 };
 
-Scenario scenarioFor(const RunOptions& options) {
-  Scenario scenario = scenarioFor(options.scene);
+SceneFile sceneFileFor(const RunOptions& options) {
+  SceneFile scenario = sceneFileFor(options.scene);
   scenario.loop.duration_s = options.duration_s.value_or(scenario.loop.duration_s);
   scenario.loop.paced = scenario.loop.paced && !options.unpaced;
   scenario.loop.cpu = options.cpu.value_or(scenario.loop.cpu);
@@ -94,7 +94,7 @@ Scenario scenarioFor(const RunOptions& options) {
 
 /// What the machine allows, where the scene leaves its particles to it: `auto` does unless their radius is given, and
 /// any other with --finest.
-std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options) {
+std::optional<FinestGrain> fitted(SceneFile& scenario, const RunOptions& options) {
   const SceneOptions& asked = options.scene;
   const bool has_radius = setsKey(asked.overrides, "soil.radius_mm");
   const bool has_threads = asked.threads || setsKey(asked.overrides, "bed.threads");
@@ -121,7 +121,7 @@ std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options)
 }
 
 /// Chooses the particles, and takes the steps that --coarser asks for.
-std::optional<FinestGrain> chooseParticles(Scenario& scenario, const RunOptions& options) {
+std::optional<FinestGrain> chooseParticles(SceneFile& scenario, const RunOptions& options) {
   std::optional<FinestGrain> finest = fitted(scenario, options);
   for (int step = 0; step < options.coarser; ++step) {
     makeCoarser(scenario);
@@ -159,7 +159,7 @@ void requireRecordingName(const std::filesystem::path& file) {
 /// Everything that follows the loop from a distance: trace, history for the figure, the status line.
 class Follower {
  public:
-  Follower(const RunOptions& options, const Scenario& scenario, RunCompanion* companion)
+  Follower(const RunOptions& options, const SceneFile& scenario, RunCompanion* companion)
       : scenario_(scenario),
         companion_(companion),
         keep_history_(!options.figure_file.empty()),
@@ -251,7 +251,7 @@ class Follower {
                        now.tick_us_p99, deadlines, now.awake);
   }
 
-  const Scenario& scenario_;
+  const SceneFile& scenario_;
   RunCompanion* companion_;
   bool keep_history_;
   std::optional<TraceFile> trace_;
@@ -272,7 +272,7 @@ struct RunSummary {
 };
 
 /// How to open the same scene with soil that is a little coarser.
-std::string coarserSoil(const RunOptions& options, const Scenario& shown) {
+std::string coarserSoil(const RunOptions& options, const SceneFile& shown) {
   constexpr double kCoarser = 1.15;
   if (!options.scene.scenario_file.empty() || options.scene.preset) {
     return fmt::format("--set soil.radius_mm={:.2g}", kCoarser * 1e3 * shown.bed.soil.radius_m);
@@ -301,7 +301,7 @@ Json finestJson(const std::optional<FinestGrain>& finest) {
                 : Json(nullptr);
 }
 
-Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
+Json summaryJson(const SceneFile& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
   const auto misses = [&](Miss cause) { return scenario.loop.paced ? Json(statistics.misses(cause)) : Json(nullptr); };
   return {{"title", scenario.title},
@@ -339,7 +339,7 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
             {"cpu", summary.real_time.cpu == kAnyCpu ? Json(nullptr) : Json(summary.real_time.cpu)}}}};
 }
 
-std::string soilText(const Scenario& scenario) {
+std::string soilText(const SceneFile& scenario) {
   const std::string name = scenario.preset + scenario.soil_name;  // one of them at most
   return fmt::format("{}, {} friction", name.empty() ? "own soil" : name,
                      wordFor(kFrictionWords, scenario.bed.soil.friction));
@@ -371,7 +371,7 @@ std::string grainsText(const Bed& bed) {
                           : fmt::format("{} macroparticles ({})", bed.particles(), all);
 }
 
-std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
+std::string summaryText(const SceneFile& scenario, const Scene& scene, const HapticLoop& loop,
                         const RunSummary& summary) {
   const LoopStatistics& s = loop.statistics();
   const Histogram& t = s.tickUs();
@@ -408,7 +408,7 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
 }
 
 /// A run that was to last a certain time and did not, or that went wrong, has failed; its trace is kept all the same.
-void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd end) {
+void throwWhenItFailed(const SceneFile& scenario, const HapticLoop& loop, LoopEnd end) {
   const bool cut_short = end == LoopEnd::kStopped && scenario.loop.duration_s > 0;
   if (cut_short || end == LoopEnd::kHandLeft || end == LoopEnd::kLost || end == LoopEnd::kNotFinite ||
       end == LoopEnd::kCollapsed) {
@@ -419,7 +419,7 @@ void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd
 
 /// Whether a device could shake where the soil is stiffest.
 void warnOfStiffness(const Session& session) {
-  const Scenario& scenario = session.shown();
+  const SceneFile& scenario = session.shown();
   const DeviceLimits limits = session.device().limits();
   const StiffnessCheck check =
       checkStiffness(scenario.handling, scenario.tool, scenario.bed.soil.radius_m, limits, scenario.loop.tick_s);
@@ -466,7 +466,7 @@ SettleProgress settlingOn(WaitingPage* page, SettledFraction& settled, StatusLin
 
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
-  Scenario scenario = scenarioFor(options);
+  SceneFile scenario = sceneFileFor(options);
   const std::unique_ptr<RunCompanion> companion =
       options.companion ? options.companion(scenario, options.scene) : nullptr;
   const WebServerOptions web = options.web.forAll();

@@ -81,7 +81,7 @@ Rows tickHistogram(const Histogram& ticks) {
 
 }  // namespace
 
-void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics) {
+void drawRun(Figure& figure, const SceneFile& scenario, const RunHistory& history, const LoopStatistics& statistics) {
   Rows forces;
   for (const TickRecord& r : history.records) {
     const Vec3& f = r.felt.wrench.force_n;

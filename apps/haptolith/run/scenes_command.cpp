@@ -48,7 +48,7 @@ std::vector<std::string_view> purposeOf(std::string_view scene) {
 
 /// Lets the soil of `auto` settle in each of its radii, for scenes/tiles (./dev tiles); files that are there stay.
 void makeTiles(const std::filesystem::path& folder) {
-  const BedParameters any = findScenario(kAutoScene).bed;
+  const BedParameters any = findSceneFile(kAutoScene).bed;
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   inParallel(kGrainRadii_m.size(), threads, [&](std::size_t i) {
     BedParameters bed = any;

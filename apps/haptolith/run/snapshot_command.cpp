@@ -72,8 +72,8 @@ struct SnapshotOptions {
 };
 
 /// The scene, unpaced and without an end of its own: time passes only where a picture asks for it.
-Scenario scenarioFor(const SnapshotOptions& options) {
-  Scenario scenario = scenarioFor(options.scene);
+SceneFile sceneFileFor(const SnapshotOptions& options) {
+  SceneFile scenario = sceneFileFor(options.scene);
   if (options.scene.manoeuvre || options.scene.poses_file) {
     scenario.device = {};
   }
@@ -99,7 +99,7 @@ void throwWhenStopped() {
 /// looks the same every time.
 class Studio {
  public:
-  Studio(const SnapshotOptions& options, const Scenario& scenario, StatusLine& status)
+  Studio(const SnapshotOptions& options, const SceneFile& scenario, StatusLine& status)
       : options_(options),
         browser_({.width_px = options.width_px,
                   .height_px = options.height_px,
@@ -263,7 +263,7 @@ void takePicture(const SnapshotOptions& options) {
     throw InvalidParameter("out", fmt::format("'{}'", options.out_file),
                            "a file name ending in .png, or with --film in .mp4 or .webm");
   }
-  const Scenario scenario = scenarioFor(options);
+  const SceneFile scenario = sceneFileFor(options);
   AtomicFile file(options.overwrite(options.out_file));
   StatusLine status;
   Studio studio(options, scenario, status);
@@ -280,7 +280,7 @@ void makeFilm(const SnapshotOptions& options) {
     throw InvalidParameter("width and height", fmt::format("{} x {}", options.width_px, options.height_px),
                            "even for a film");
   }
-  const Scenario scenario = scenarioFor(options);
+  const SceneFile scenario = sceneFileFor(options);
   FilmFile film(options.overwrite(options.out_file), options.frames_per_s);
   StatusLine status;
   Studio studio(options, scenario, status);

@@ -39,7 +39,7 @@ std::map<std::string, Manoeuvre> handChoices() {
 }
 
 /// How large the mesh is, from which a wrong unit is seen, and what was done to it.
-void tellOfMesh(const Scenario& scenario) {
+void tellOfMesh(const SceneFile& scenario) {
   const ToolMesh& mesh = *scenario.tool.mesh;
   const Vec3 size_mm = 1e3 * (mesh.field.corners().high_m - mesh.field.corners().low_m);
   spdlog::info("{}: {:.3g} x {:.3g} x {:.3g} mm, walls and corners to {:.2g} mm", scenario.mesh.name, size_mm.x(),
@@ -126,9 +126,9 @@ void SceneOptions::addTo(CLI::App& command) {
   device.addTo(command)->excludes(hand);
 }
 
-Scenario scenarioFor(const SceneOptions& options) {
+SceneFile sceneFileFor(const SceneOptions& options) {
   const std::string scene = options.scene();
-  Scenario scenario = findScenario(scene, options.overrides);
+  SceneFile scenario = findSceneFile(scene, options.overrides);
   const std::string title = scenario.title, before = sceneInWords(scenario);
   BedParameters& bed = scenario.bed;
   if (options.preset) {

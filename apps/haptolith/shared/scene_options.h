@@ -48,8 +48,8 @@ struct SceneOptions {
 
 /// The scene that the options ask for, with a warning for each key of its file that has no effect; not yet checked by
 /// validate(), since a command may still change it.
-/// @throws InvalidParameter, Failure: as findScenario(), changePreset(), changeSoil() and changeBody().
-[[nodiscard]] Scenario scenarioFor(const SceneOptions& options);
+/// @throws InvalidParameter, Failure: as findSceneFile(), changePreset(), changeSoil() and changeBody().
+[[nodiscard]] SceneFile sceneFileFor(const SceneOptions& options);
 
 /// Shows in `status` how the bed of a new scene settles; a signal ends it.
 [[nodiscard]] SettleProgress settlingIn(StatusLine& status);

@@ -27,7 +27,7 @@ void TeleopRig::wantSite(const std::string& name) {
   site_.reset();
   site_name_ = name;
   coming_ = std::async(std::launch::async, [name] {
-    Scenario scenario = findScenario(name);
+    SceneFile scenario = findSceneFile(name);
     validate(scenario);
     const Scene scene(scenario.bed, scenario.tool);
     SavedScene level = scene.save();

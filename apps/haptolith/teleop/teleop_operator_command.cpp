@@ -30,7 +30,7 @@ struct OperatorOptions {
 /// A robot that follows the tool of a run.
 class RobotCompanion final : public RunCompanion {
  public:
-  RobotCompanion(const OperatorOptions& options, Scenario& scenario) : options_(options) {
+  RobotCompanion(const OperatorOptions& options, SceneFile& scenario) : options_(options) {
     if (options.learns.value_or(canLearn(scenario))) {
       scenario = readyToLearn(scenario);
     }
@@ -77,7 +77,7 @@ void addTeleopOperator(CLI::App& teleop) {
       "Leave the soil's surface as it is; else grains are laid where the robot sees more soil than there is");
   addRunOptions(
       *command,
-      [options](Scenario& scenario, const SceneOptions&) {
+      [options](SceneFile& scenario, const SceneOptions&) {
         return std::make_unique<RobotCompanion>(*options, scenario);
       },
       "dig");

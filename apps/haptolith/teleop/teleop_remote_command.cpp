@@ -80,7 +80,7 @@ std::string statusText(const Robot& robot, const RobotServer& server, double rat
 void runRemote(const RemoteOptions& options) {
   const StopOnSignal stop;
   StatusLine status;
-  Scenario scenario = findScenario(options.site, options.overrides);
+  SceneFile scenario = findSceneFile(options.site, options.overrides);
   validate(scenario);
   EndOptions end = options.end.end();
   end.listen = options.listen;

@@ -81,7 +81,7 @@ class CallersDevice final : public HapticDevice {
   std::atomic<bool> released_{false};
 };
 
-std::unique_ptr<HapticDevice> deviceFor(const Scenario& scenario, const hapto_device* device) {
+std::unique_ptr<HapticDevice> deviceFor(const SceneFile& scenario, const hapto_device* device) {
   if (device != nullptr) {
     return std::make_unique<CallersDevice>(*device);
   }
@@ -92,7 +92,7 @@ std::unique_ptr<HapticDevice> deviceFor(const Scenario& scenario, const hapto_de
 }
 
 /// The hand begins above the soil that is there.
-Scenario above(Scenario scenario, double surface_m) {
+SceneFile above(SceneFile scenario, double surface_m) {
   scenario.hand.surface_m = scenario.hand.surface_m.value_or(surface_m);
   return scenario;
 }
@@ -237,7 +237,7 @@ class Loop {
 
   /// As RecordingHeader has it, but for what only its writer knows.
   [[nodiscard]] std::string header() {
-    return nlohmann::ordered_json{{"scenario", scenarioText(scenario_)},
+    return nlohmann::ordered_json{{"scenario", sceneFileText(scenario_)},
                                   {"title", scenario_.title},
                                   {"instruction_set", simdTarget()},
                                   {"device", device_->name()},
@@ -287,7 +287,7 @@ class Loop {
   Claim<hapto_scene> scene_;
   bool ticked_by_caller_, keeps_ticks_;
   double tool_fade_;  ///< before the loop
-  Scenario scenario_;
+  SceneFile scenario_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;

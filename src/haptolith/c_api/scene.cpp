@@ -42,8 +42,8 @@ std::int32_t make(Read&& scenario, hapto_progress told, void* user, hapto_scene*
 }
 
 /// A scene by its name or from a file; `auto` in the finest soil that this machine renders in time.
-Scenario opened(std::string_view name, std::span<const std::string> overrides, Progress& progress) {
-  Scenario scenario = findScenario(name, overrides);
+SceneFile opened(std::string_view name, std::span<const std::string> overrides, Progress& progress) {
+  SceneFile scenario = findSceneFile(name, overrides);
   if (name == kAutoScene && !setsKey(overrides, "soil.radius_mm") && canBeFitted(scenario)) {
     std::atomic<bool> stop{false};
     (void)fitToMachine(
@@ -139,7 +139,7 @@ std::int32_t hapto_scene_from_toml(const char* text, const char* name, const cha
                                    std::uint32_t count, hapto_progress progress, void* user, hapto_scene** out) {
   return make(
       [&](Progress&) {
-        return scenarioFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count));
+        return sceneFileFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count));
       },
       progress, user, out);
 }
@@ -218,7 +218,7 @@ std::int32_t hapto_scene_get_info(const hapto_scene* scene, hapto_scene_info* ou
 
 std::int32_t hapto_scene_get_toml(const hapto_scene* scene, char* text, std::uint64_t capacity, std::uint64_t* needed) {
   return with(scene, [&](const SceneObject& object) {
-    const std::string toml = scenarioText(object.scenario());
+    const std::string toml = sceneFileText(object.scenario());
     return handOut({toml.c_str(), toml.size() + 1}, text, capacity, needed);
   });
 }

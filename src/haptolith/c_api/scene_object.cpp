@@ -56,7 +56,7 @@ std::int32_t statusOf(StepStatus status) noexcept {
 }
 
 /// The first of two scenes with what may change in soil as it lies taken from the second.
-Scenario withChangesOf(Scenario scene, const Scenario& other) {
+SceneFile withChangesOf(SceneFile scene, const SceneFile& other) {
   scene.title = other.title;
   scene.preset = other.preset;
   scene.soil_name = other.soil_name;
@@ -70,7 +70,7 @@ Scenario withChangesOf(Scenario scene, const Scenario& other) {
   return scene;
 }
 
-Scenario madeOf(Scenario scene, const SoilParameters& soil) {
+SceneFile madeOf(SceneFile scene, const SoilParameters& soil) {
   scene.bed.soil = soil;
   makeToolMesh(scene);
   return scene;
@@ -82,11 +82,11 @@ struct SceneObject::Saved {
   std::int32_t condition;
   double opening;
   SoilParameters made_of;
-  Scenario scenario;
+  SceneFile scenario;
   SavedScene scene;
 };
 
-SceneObject::SceneObject(const Scenario& scenario, const SettleProgress& progress)
+SceneObject::SceneObject(const SceneFile& scenario, const SettleProgress& progress)
     : scenario_(scenario),
       made_of_(scenario.bed.soil),
       scene_(std::make_unique<Scene>(scenario.bed, scenario.tool, progress)) {
@@ -128,8 +128,8 @@ std::uint64_t SceneObject::startTick() const noexcept {
 }
 
 std::string SceneObject::save() const {
-  const std::string made_of = scenarioText(madeOf(scenario_, made_of_));
-  const std::string now = scenarioText(scenario_);
+  const std::string made_of = sceneFileText(madeOf(scenario_, made_of_));
+  const std::string now = sceneFileText(scenario_);
   const std::string scene = serialise(scene_->save());
   const std::string all = made_of + now + scene;
   const Header header{.condition = condition_,
@@ -170,17 +170,17 @@ SceneObject::Saved SceneObject::parsed(std::string_view bytes) {
       header.condition > HAPTO_COLLAPSED || !std::isfinite(header.opening)) {
     throw Failure("this saved scene is damaged");
   }
-  const Scenario made_of = loadScenarioText(bytes.substr(0, header.made_of_bytes), "the saved scene");
+  const SceneFile made_of = loadSceneFileText(bytes.substr(0, header.made_of_bytes), "the saved scene");
   return {.condition = header.condition,
           .opening = header.opening,
           .made_of = made_of.bed.soil,
-          .scenario = loadScenarioText(bytes.substr(header.made_of_bytes, header.scenario_bytes), "the saved scene"),
+          .scenario = loadSceneFileText(bytes.substr(header.made_of_bytes, header.scenario_bytes), "the saved scene"),
           .scene = deserialiseSavedScene(bytes.substr(header.made_of_bytes + header.scenario_bytes))};
 }
 
 void SceneObject::restore(std::string_view bytes) {
   const Saved saved = parsed(bytes);
-  const Scenario& now = saved.scenario;
+  const SceneFile& now = saved.scenario;
   const bool same_bed =
       withChangesOf(now, scenario_) == scenario_ && saved.made_of == made_of_ &&
       substepsFor(madeOf(now, made_of_).bed, stiffnessInStep(now.tool, made_of_.friction)) == scene_->substeps();
@@ -249,9 +249,9 @@ void SceneObject::setGravity(const Vec3& gravity_m_s2) noexcept {
 
 SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) const {
   SceneChanges changes{.gravity_m_s2 = {}, .laws = {}, .tool = {}, .wanted = changed(scenario_, overrides)};
-  Scenario& wanted = changes.wanted;
+  SceneFile& wanted = changes.wanted;
   wanted.bed.start = scenario_.bed.start;  // of soil that lies already
-  Scenario rest = withChangesOf(wanted, scenario_);
+  SceneFile rest = withChangesOf(wanted, scenario_);
   if (!(rest == scenario_)) {
     throw InvalidParameter("overrides", fmt::format("{} keys", overrides.size()),
                            "of [soil], [gravity] and [tool] only; anything else needs another scene");

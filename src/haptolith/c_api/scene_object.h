@@ -21,14 +21,14 @@ struct SceneChanges {
   std::optional<Vec3> gravity_m_s2;
   std::optional<SoilLaws> laws;
   std::optional<ToolParameters> tool;
-  Scenario wanted;
+  SceneFile wanted;
 };
 
 /// A scene behind a handle: the scene itself, and the parameters that it has now.
 class SceneObject {
  public:
   /// @throws InvalidParameter, Failure: as Scene.
-  SceneObject(const Scenario& scenario, const SettleProgress& progress);
+  SceneObject(const SceneFile& scenario, const SettleProgress& progress);
   /// Goes on from the bytes of save(). @throws Failure when they are none, of another version or instruction set;
   /// InvalidParameter as Scene.
   explicit SceneObject(std::string_view saved);
@@ -54,7 +54,7 @@ class SceneObject {
 
   [[nodiscard]] Scene& scene() noexcept { return *scene_; }
   [[nodiscard]] const Scene& scene() const noexcept { return *scene_; }
-  [[nodiscard]] const Scenario& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const SceneFile& scenario() const noexcept { return scenario_; }
   /// HAPTO_OK, or what the bed has come to.
   [[nodiscard]] std::int32_t condition() const noexcept { return condition_; }
   /// For a recording that begins now: 0 when soil and tool are as the scene says, else ticks so far, at least 1.
@@ -68,7 +68,7 @@ class SceneObject {
   explicit SceneObject(const Saved& saved);
   void goOn(const Saved& saved);
 
-  Scenario scenario_;
+  SceneFile scenario_;
   SoilParameters made_of_;  ///< the soil that the bed was made with: its neighbour lists reach as far as that needs
   std::unique_ptr<Scene> scene_;
   std::int32_t condition_ = HAPTO_OK;

@@ -35,7 +35,7 @@ std::optional<double> numberAt(std::string_view dotted, std::span<const FileKey<
 }
 
 std::optional<double> numberAt(const NamedSoil& soil, std::string_view key) {
-  Scenario scene;
+  SceneFile scene;
   scene.bed.soil = soil.soil;
   if (const auto number = numberAt(key, soilKeys(), scene)) {
     return number;

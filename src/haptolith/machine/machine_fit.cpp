@@ -59,8 +59,8 @@ std::vector<int> usableCores() {
 }
 
 /// All that a measurement depends on.
-std::string keyOf(const Scenario& scenario, const std::vector<int>& threads) {
-  Scenario measured;  // what is measured of it
+std::string keyOf(const SceneFile& scenario, const std::vector<int>& threads) {
+  SceneFile measured;  // what is measured of it
   measured.bed = scenario.bed;
   measured.bed.soil = rescaled(scenario.bed.soil, kGrainRadii_m.front());
   measured.bed.threads = 1;
@@ -68,7 +68,7 @@ std::string keyOf(const Scenario& scenario, const std::vector<int>& threads) {
   measured.mesh = scenario.mesh;
   return fmt::format("measurement {} haptolith {} {} cores {} {} cpu {} threads {} tick {} us\n{}", kMeasurement,
                      HAPTOLITH_VERSION, processor(), fmt::join(usableCores(), ","), simdTarget(), scenario.loop.cpu,
-                     fmt::join(threads, ","), kFinestTick_us, scenarioText(measured));
+                     fmt::join(threads, ","), kFinestTick_us, sceneFileText(measured));
 }
 
 std::string hashOf(std::string_view bytes) {
@@ -133,7 +133,7 @@ bool setsKey(std::span<const std::string> overrides, std::string_view table_and_
   });
 }
 
-bool canBeFitted(const Scenario& scenario) {
+bool canBeFitted(const SceneFile& scenario) {
   return scenario.bed.start == BedStart::kSettled && grainClasses(scenario.bed) == 1;
 }
 
@@ -156,7 +156,7 @@ std::optional<FinestGrain> finestIn(std::string_view kept, std::string_view key)
   return sound ? std::optional(FinestGrain{.chosen = *chosen, .too_slow = too_slow}) : std::nullopt;
 }
 
-FinestGrain fitToMachine(Scenario& scenario, const MachineFitOptions& options, const std::atomic<bool>& stop) {
+FinestGrain fitToMachine(SceneFile& scenario, const MachineFitOptions& options, const std::atomic<bool>& stop) {
   if (!canBeFitted(scenario)) {
     throw InvalidParameter("finest", fmt::format("'{}'", scenario.title),
                            "a scene whose bed starts as settled, of particles of one size");

@@ -30,9 +30,9 @@ std::vector<FrameRow> rowsWithParticles(const RecordingReader& recording) {
   return rows;
 }
 
-std::optional<Scenario> sceneOf(const RecordingReader& recording) {
+std::optional<SceneFile> sceneOf(const RecordingReader& recording) {
   try {
-    return loadScenarioText(recording.header().scenario, "the recorded scene");
+    return loadSceneFileText(recording.header().scenario, "the recorded scene");
   } catch (const InvalidParameter&) {
     return std::nullopt;
   } catch (const Failure&) {
@@ -69,7 +69,7 @@ void addContacts(ScenePicture& picture, const BedParameters& bed, std::span<cons
 }
 
 /// How far open the jaws are that the device holds.
-double openingOf(const Scenario& scenario, const TickRecord& tick) {
+double openingOf(const SceneFile& scenario, const TickRecord& tick) {
   if (scenario.tool.shape != ToolShape::kJaws) {
     return 0;
   }

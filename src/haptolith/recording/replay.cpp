@@ -90,7 +90,7 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
                     "then is not known; record a whole run with 'haptolith run --record'",
                     header.start_tick));
   }
-  scenario_ = loadScenarioText(header.scenario, "the recorded scene");
+  scenario_ = loadSceneFileText(header.scenario, "the recorded scene");
   scenario_.bed.threads = threads.value_or(scenario_.bed.threads);
   scenario_.loop.paced = false;
   scene_ = std::make_unique<Scene>(scenario_.bed, scenario_.tool, progress);

@@ -7,49 +7,49 @@ namespace haptolith {
 
 namespace {
 
-bool isPaper(const Scenario& scene) {
+bool isPaper(const SceneFile& scene) {
   return scene.bed.soil.friction == FrictionModel::kPaper;
 }
 
-bool hasContactFriction(const Scenario& scene) {
+bool hasContactFriction(const SceneFile& scene) {
   return scene.bed.soil.friction == FrictionModel::kContact;
 }
 
 template <BedStart... kStarts>
-bool starts(const Scenario& scene) {
+bool starts(const SceneFile& scene) {
   return ((scene.bed.start == kStarts) || ...);
 }
 
-bool isGraded(const Scenario& scene) {
+bool isGraded(const SceneFile& scene) {
   return hasContactFriction(scene) && scene.bed.grading.fine_radius_m > 0;
 }
 
-bool needsSeed(const Scenario& scene) {
+bool needsSeed(const SceneFile& scene) {
   return starts<BedStart::kRain, BedStart::kSettled>(scene) || isGraded(scene);
 }
 
 template <ToolShape... kShapes>
-bool isShape(const Scenario& scene) {
+bool isShape(const SceneFile& scene) {
   return ((scene.tool.shape == kShapes) || ...);
 }
 
-bool isManoeuvre(const Scenario& scene) {
+bool isManoeuvre(const SceneFile& scene) {
   return scene.hand.manoeuvre != Manoeuvre::kPoses;
 }
 
-bool hasRandomStones(const Scenario& scene) {
+bool hasRandomStones(const SceneFile& scene) {
   return scene.bed.stones.count > 0;
 }
 
-bool hasStones(const Scenario& scene) {
+bool hasStones(const SceneFile& scene) {
   return scene.bed.stones.any();
 }
 
-bool isArm(const Scenario& scene) {
+bool isArm(const SceneFile& scene) {
   return scene.hand.compliance == HandCompliance::kArm;
 }
 
-bool isNotDirect(const Scenario& scene) {
+bool isNotDirect(const SceneFile& scene) {
   return scene.handling.coupling.kind != CouplingKind::kDirect;
 }
 

@@ -10,9 +10,9 @@ namespace haptolith {
 /// A key of scene files that has an effect in some scenes only.
 struct KeyUse {
   std::string_view table, name;
-  bool (*counts)(const Scenario&);  ///< whether it has an effect in this scene
-  std::string_view needs;           ///< what it takes: "[tool] shape = sphere or plate"
-  bool may_count_later;             ///< whether the command line or the page can make it count after the file is read
+  bool (*counts)(const SceneFile&);  ///< whether it has an effect in this scene
+  std::string_view needs;            ///< what it takes: "[tool] shape = sphere or plate"
+  bool may_count_later;              ///< whether the command line or the page can make it count after the file is read
 };
 
 /// All of them; a key that is not among them counts in every scene.

@@ -72,41 +72,41 @@ void refuseContradictions(const TomlReader& reader) {
 }
 
 /// With the line of the key that brought the mesh, of what is wrong in its file.
-void makeMesh(const TomlReader& reader, Scenario& scene) {
+void makeMesh(const TomlReader& reader, SceneFile& scene) {
   try {
     makeToolMesh(scene);
   } catch (const InvalidParameter& error) {
     for (const KeyName& key : {KeyName{"tool", "mesh"}, KeyName{"tool", "mesh_data"}, KeyName{"", "tool_part"}}) {
       if (reader.find(key.table, key.name) != nullptr) {
-        throw ScenarioError(reader.located(key, error.what()), reader.lineOf(key.table, key.name));
+        throw TomlError(reader.located(key, error.what()), reader.lineOf(key.table, key.name));
       }
     }
     throw;
   }
 }
 
-void requireMesh(const TomlReader& reader, const Scenario& scene) {
+void requireMesh(const TomlReader& reader, const SceneFile& scene) {
   if (scene.tool.shape == ToolShape::kMesh && scene.mesh.bytes == nullptr) {
     reader.refuse(reader.lineOf("tool", "shape"),
                   "[tool] shape = 'mesh' needs [tool] mesh, an .stl, .obj, .glb or .gltf file");
   }
 }
 
-void requireGrains(const TomlReader& reader, const Scenario& scene) {
+void requireGrains(const TomlReader& reader, const SceneFile& scene) {
   const bool asked = reader.find("bed", "grains") != nullptr || reader.find("bed", "grains_data") != nullptr;
   if (scene.bed.start == BedStart::kGiven && !asked) {
     reader.refuse(reader.lineOf("bed", "start"), "[bed] start = 'given' needs [bed] grains, a CSV file");
   }
 }
 
-void requirePoses(const TomlReader& reader, const Scenario& scene) {
+void requirePoses(const TomlReader& reader, const SceneFile& scene) {
   if (scene.hand.manoeuvre == Manoeuvre::kPoses && reader.find("hand", "poses") == nullptr) {
     reader.refuse(reader.lineOf("hand", "manoeuvre"), "[hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");
   }
 }
 
-void validateWhole(const TomlReader& reader, const Scenario& scene) {
-  const std::span<const ScenarioKey> keys = scenarioKeys();
+void validateWhole(const TomlReader& reader, const SceneFile& scene) {
+  const std::span<const SceneFileKey> keys = sceneFileKeys();
   reader.check(keys, "soil", [&] { validate(scene.bed.soil); });
   reader.check(keys, "stones", [&] { validate(scene.bed.stones); });
   reader.check(keys, "bed", [&] { validate(scene.bed); });
@@ -122,21 +122,21 @@ void validateWhole(const TomlReader& reader, const Scenario& scene) {
 }
 
 /// Whether the file gives a key a value that is not the usual one and has no effect in `scene`.
-bool isIdle(const TomlReader& reader, const KeyUse& use, const Scenario& scene) {
+bool isIdle(const TomlReader& reader, const KeyUse& use, const SceneFile& scene) {
   if (reader.find(use.table, use.name) == nullptr || use.counts(scene)) {
     return false;
   }
-  const auto keys = scenarioKeys();
+  const auto keys = sceneFileKeys();
   const auto key = std::ranges::find_if(
-      keys, [&](const ScenarioKey& known) { return known.table == use.table && known.name == use.name; });
-  return tomlLine(*key, scene) != tomlLine(*key, Scenario{});
+      keys, [&](const SceneFileKey& known) { return known.table == use.table && known.name == use.name; });
+  return tomlLine(*key, scene) != tomlLine(*key, SceneFile{});
 }
 
 std::string whyIdle(const KeyUse& use) {
   return fmt::format("[{}] {} has no effect: it needs {}", use.table, use.name, use.needs);
 }
 
-void refuseWhatNeverCounts(const TomlReader& reader, const Scenario& scene) {
+void refuseWhatNeverCounts(const TomlReader& reader, const SceneFile& scene) {
   for (const KeyUse& use : keyUses()) {
     if (!use.may_count_later && isIdle(reader, use, scene)) {
       reader.refuse(reader.lineOf(use.table, use.name), whyIdle(use));
@@ -160,8 +160,8 @@ void refuseLibrary(const TomlReader& reader) {
 }
 
 /// @param scene  what keys that are left out keep.
-Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
-  std::vector<KeyName> known = keyNames(scenarioKeys());
+SceneFile read(const TomlReader& reader, From from, SceneFile scene = {}) {
+  std::vector<KeyName> known = keyNames(sceneFileKeys());
   known.push_back(kLibrary);
   known.push_back({"", "stone"});  // a table of its own for each
   known.push_back({"", "tool_part"});
@@ -170,7 +170,7 @@ Scenario read(const TomlReader& reader, From from, Scenario scene = {}) {
     refuseLibrary(reader);
   }
   refuseContradictions(reader);
-  for (const ScenarioKey& key : scenarioKeys()) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
     reader.apply(key, scene);
   }
   readPlacedStones(reader, scene);
@@ -252,10 +252,10 @@ bool giveTitle(std::span<const std::string> overrides) {
 /// The scene with overrides, and where they change what its title may name, and give no title, one of their own.
 /// @param reader_of  makes the reader of the scene as it is without them
 template <class ReaderOf>
-Scenario readWithOverrides(const ReaderOf& reader_of, std::span<const std::string> overrides) {
+SceneFile readWithOverrides(const ReaderOf& reader_of, std::span<const std::string> overrides) {
   TomlReader reader = reader_of();
   takeOverrides(reader, overrides);
-  Scenario scene = read(reader, From::kFile);
+  SceneFile scene = read(reader, From::kFile);
   if (overrides.empty() || giveTitle(overrides)) {
     return scene;
   }
@@ -271,11 +271,11 @@ Scenario readWithOverrides(const ReaderOf& reader_of, std::span<const std::strin
 
 }  // namespace
 
-Scenario findScenario(std::string_view name_or_file, std::span<const std::string> overrides) {
+SceneFile findSceneFile(std::string_view name_or_file, std::span<const std::string> overrides) {
   return readWithOverrides([name_or_file] { return readerOf(name_or_file); }, overrides);
 }
 
-Scenario scenarioFromText(std::string_view text, std::string_view name, std::span<const std::string> overrides) {
+SceneFile sceneFileFromText(std::string_view text, std::string_view name, std::span<const std::string> overrides) {
   return readWithOverrides(
       [&] {
         return text.empty() ? TomlReader(std::span<const std::string>(), kScene) : TomlReader(name, text, kScene);
@@ -283,9 +283,9 @@ Scenario scenarioFromText(std::string_view text, std::string_view name, std::spa
       overrides);
 }
 
-Scenario changed(const Scenario& scenario, std::span<const std::string> overrides) {
+SceneFile changed(const SceneFile& scenario, std::span<const std::string> overrides) {
   const TomlReader reader(overrides, kScene);
-  Scenario scene = read(reader, From::kFile, scenario);
+  SceneFile scene = read(reader, From::kFile, scenario);
   const bool other_soil = reader.has("soil", "preset") || reader.has("soil", "name") || reader.has("soil", "file");
   if (other_soil && !reader.has("soil", "radius_mm")) {  // the grains that are there
     scene.bed.soil = rescaled(scene.bed.soil, scenario.bed.soil.radius_m);
@@ -310,7 +310,7 @@ std::vector<std::string> sceneNames() {
   return names;
 }
 
-std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario& scene,
+std::vector<std::string> idleKeys(std::string_view name_or_file, const SceneFile& scene,
                                   std::span<const std::string> overrides) {
   TomlReader reader = readerOf(name_or_file);
   takeOverrides(reader, overrides);
@@ -323,11 +323,11 @@ std::vector<std::string> idleKeys(std::string_view name_or_file, const Scenario&
   return idle;
 }
 
-Scenario loadScenario(const std::filesystem::path& path) {
+SceneFile loadSceneFile(const std::filesystem::path& path) {
   return read(TomlReader(path, kScene), From::kFile);
 }
 
-Scenario loadScenarioText(std::string_view text, std::string_view name) {
+SceneFile loadSceneFileText(std::string_view text, std::string_view name) {
   return read(TomlReader(name, text, kScene), From::kStored);
 }
 

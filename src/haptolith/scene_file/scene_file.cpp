@@ -16,12 +16,12 @@ namespace haptolith {
 
 namespace {
 
-std::string soilInWords(const Scenario& scenario) {
+std::string soilInWords(const SceneFile& scenario) {
   const std::string& named = scenario.preset.empty() ? scenario.soil_name : scenario.preset;
   return named.empty() ? "own soil" : named + " soil";
 }
 
-std::string toolInWords(const Scenario& scenario) {
+std::string toolInWords(const SceneFile& scenario) {
   switch (scenario.tool.shape) {
     case ToolShape::kBox: return "shovel";
     case ToolShape::kCone: return "cone";
@@ -37,7 +37,7 @@ std::string toolInWords(const Scenario& scenario) {
 
 }  // namespace
 
-HandlingParameters handlingOf(const Scenario& scenario, double surface_m) {
+HandlingParameters handlingOf(const SceneFile& scenario, double surface_m) {
   HandlingParameters handling = handlingOfOwnDevice(scenario, surface_m);
   if (scenario.device.kind == DeviceKind::kVirtualHand) {
     handling.mapping = {};
@@ -45,13 +45,13 @@ HandlingParameters handlingOf(const Scenario& scenario, double surface_m) {
   return handling;
 }
 
-HandlingParameters handlingOfOwnDevice(const Scenario& scenario, double surface_m) {
+HandlingParameters handlingOfOwnDevice(const SceneFile& scenario, double surface_m) {
   HandlingParameters handling = scenario.handling;
   handling.mapping.offset_m.z() += surface_m;
   return handling;
 }
 
-void setSoil(Scenario& scenario, const SoilFile& soil) {
+void setSoil(SceneFile& scenario, const SoilFile& soil) {
   scenario.preset.clear();
   scenario.soil_name = soil.name;
   scenario.bed.soil = soil.soil;
@@ -60,7 +60,7 @@ void setSoil(Scenario& scenario, const SoilFile& soil) {
   }
 }
 
-std::string sceneInWords(const Scenario& scenario) {
+std::string sceneInWords(const SceneFile& scenario) {
   std::string words =
       fmt::format("{}, {}, R = {:.3g} mm", soilInWords(scenario),
                   scenario.body.empty() ? fmt::format("{:.3g} m/s2", scenario.bed.gravity_m_s2.norm()) : scenario.body,
@@ -73,14 +73,14 @@ std::string sceneInWords(const Scenario& scenario) {
   return words;
 }
 
-void retitle(Scenario& scenario, std::string_view before) {
+void retitle(SceneFile& scenario, std::string_view before) {
   const std::string now = sceneInWords(scenario);
   if (now != before && now.size() <= mostBytes(TextSize::kLine)) {
     scenario.title = now;
   }
 }
 
-void changePreset(Scenario& scenario, std::string_view name) {
+void changePreset(SceneFile& scenario, std::string_view name) {
   const Preset& preset = findPreset(name);
   const std::string before = sceneInWords(scenario);
   scenario.bed.soil = rescaled(preset.soil, scenario.bed.soil.radius_m);
@@ -89,7 +89,7 @@ void changePreset(Scenario& scenario, std::string_view name) {
   retitle(scenario, before);
 }
 
-void changeSoil(Scenario& scenario, std::string_view name_or_file) {
+void changeSoil(SceneFile& scenario, std::string_view name_or_file) {
   SoilFile file = findSoil(name_or_file);
   file.soil = rescaled(file.soil, scenario.bed.soil.radius_m);
   const std::string before = sceneInWords(scenario);
@@ -97,7 +97,7 @@ void changeSoil(Scenario& scenario, std::string_view name_or_file) {
   retitle(scenario, before);
 }
 
-void changeBody(Scenario& scenario, std::string_view name) {
+void changeBody(SceneFile& scenario, std::string_view name) {
   const Body& body = findBody(name);
   const std::string before = sceneInWords(scenario);
   const double before_m_s2 = scenario.bed.gravity_m_s2.norm();
@@ -107,7 +107,7 @@ void changeBody(Scenario& scenario, std::string_view name) {
   retitle(scenario, before);
 }
 
-void makeToolMesh(Scenario& scenario) {
+void makeToolMesh(SceneFile& scenario) {
   const StonesParameters& stones = scenario.bed.stones;
   if (scenario.mesh.bytes != nullptr && largestSphere(stones) > kMostMeshReach_m) {
     throw InvalidParameter("stones", fmt::format("of spheres up to {:g} mm across", 2e3 * largestSphere(stones)),
@@ -118,7 +118,7 @@ void makeToolMesh(Scenario& scenario) {
 }
 
 /// On the inside of a shell a grain larger than its curve would touch it in two places, of which contact knows one.
-void requireRoomInJaws(const Scenario& scenario) {
+void requireRoomInJaws(const SceneFile& scenario) {
   const ToolParameters& tool = scenario.tool;
   if (tool.shape != ToolShape::kJaws || tool.jaw_bend_rad == 0) {
     return;
@@ -137,7 +137,7 @@ void requireRoomInJaws(const Scenario& scenario) {
 namespace {
 
 /// Radius of particles one step coarser, in m; none where canBeCoarser() is false.
-std::optional<double> coarserRadiusFor(Scenario scenario) {
+std::optional<double> coarserRadiusFor(SceneFile scenario) {
   BedParameters& bed = scenario.bed;
   if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
     return std::nullopt;
@@ -156,11 +156,11 @@ std::optional<double> coarserRadiusFor(Scenario scenario) {
 
 }  // namespace
 
-bool canBeCoarser(const Scenario& scenario) {
+bool canBeCoarser(const SceneFile& scenario) {
   return coarserRadiusFor(scenario).has_value();
 }
 
-void makeCoarser(Scenario& scenario) {
+void makeCoarser(SceneFile& scenario) {
   const std::optional<double> radius_m = coarserRadiusFor(scenario);
   if (!radius_m) {
     throw InvalidParameter("coarser", fmt::format("than {:g} mm", inUnits(scenario.bed.soil.radius_m, 1e-3)),
@@ -172,7 +172,7 @@ void makeCoarser(Scenario& scenario) {
   makeToolMesh(scenario);
 }
 
-void validate(const Scenario& scenario) {
+void validate(const SceneFile& scenario) {
   validate(scenario.bed);
   validate(scenario.mesh);
   validate(scenario.tool);

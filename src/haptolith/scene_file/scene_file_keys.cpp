@@ -22,14 +22,14 @@ namespace haptolith {
 
 namespace {
 
-using S = Scenario;
-using Keys = std::vector<ScenarioKey>;
-using NumberValue = ScenarioKey::NumberValue;
-using VectorValue = ScenarioKey::VectorValue;
-using WordValue = ScenarioKey::WordValue;
-using TextValue = ScenarioKey::TextValue;
-using DataValue = ScenarioKey::DataValue;
-using PathValue = ScenarioKey::PathValue;
+using S = SceneFile;
+using Keys = std::vector<SceneFileKey>;
+using NumberValue = SceneFileKey::NumberValue;
+using VectorValue = SceneFileKey::VectorValue;
+using WordValue = SceneFileKey::WordValue;
+using TextValue = SceneFileKey::TextValue;
+using DataValue = SceneFileKey::DataValue;
+using PathValue = SceneFileKey::PathValue;
 
 constexpr Range kGravityAxis_m_s2{-BedRanges::gravity_m_s2.highest, BedRanges::gravity_m_s2.highest};
 
@@ -38,11 +38,11 @@ double limitOrLeftOut(double limit) {
   return limit == DeviceLimits::kNone ? kLeftOut : limit;
 }
 
-void setGravity(Scenario& scene, const Vec3& direction, double magnitude_m_s2) {
+void setGravity(SceneFile& scene, const Vec3& direction, double magnitude_m_s2) {
   scene.bed.gravity_m_s2 = direction.normalized() * magnitude_m_s2;
 }
 
-void setTool(Scenario& scene, std::string_view name) {
+void setTool(SceneFile& scene, std::string_view name) {
   const std::string_view text = std::ranges::find(builtInTools(), name, &BuiltInTool::name)->text;
   scene.mesh = {.name = std::string(name),
                 .bytes = std::make_shared<const std::string>(text),
@@ -73,7 +73,7 @@ void readData(ToolMeshSource& mesh, std::string_view data) {
 
 /// The radius rescales the preset or named soil; the numbers after it are taken as they are, for particles of that
 /// radius.
-ScenarioKey soilNumber(const SoilNumber& number) {
+SceneFileKey soilNumber(const SoilNumber& number) {
   if (number.member == &SoilParameters::radius_m) {
     return {"soil", "radius_mm", std::string(number.key),
             NumberValue{number.valid.in(kMillimetres.in_si),
@@ -466,8 +466,8 @@ Keys allKeys() {
 
 }  // namespace
 
-std::span<const ScenarioKey> scenarioKeys() {
-  static const std::vector<ScenarioKey> kKeys = allKeys();
+std::span<const SceneFileKey> sceneFileKeys() {
+  static const std::vector<SceneFileKey> kKeys = allKeys();
   return kKeys;
 }
 

@@ -7,9 +7,9 @@
 
 namespace haptolith {
 
-using ScenarioKey = FileKey<Scenario>;
+using SceneFileKey = FileKey<SceneFile>;
 
 /// Every key there is, in the order in which they are applied: what a key builds on stands before it.
-[[nodiscard]] std::span<const ScenarioKey> scenarioKeys();
+[[nodiscard]] std::span<const SceneFileKey> sceneFileKeys();
 
 }  // namespace haptolith

@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-bool counts(const ScenarioKey& key, const Scenario& scene) {
+bool counts(const SceneFileKey& key, const SceneFile& scene) {
   return std::ranges::none_of(keyUses(), [&](const KeyUse& use) {
     return use.table == key.table && use.name == key.name && !use.counts(scene);
   });
@@ -19,11 +19,11 @@ bool counts(const ScenarioKey& key, const Scenario& scene) {
 
 /// @param grains_file  what stands in place of the given grains themselves, in a file for people: keys that have no
 /// effect are left out of that.
-std::string textOf(const Scenario& scene, std::string_view grains_file = {}) {
+std::string textOf(const SceneFile& scene, std::string_view grains_file = {}) {
   const bool for_people = !grains_file.empty();
   std::string text;
   std::string_view table;
-  for (const ScenarioKey& key : scenarioKeys()) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
     if (for_people && !counts(key, scene)) {
       continue;
     }
@@ -40,7 +40,7 @@ std::string textOf(const Scenario& scene, std::string_view grains_file = {}) {
 }
 
 /// What reading its text gives: the same, but for where the poses lie, and without a library.
-Scenario readBack(Scenario scene) {
+SceneFile readBack(SceneFile scene) {
   std::string& poses = scene.hand.poses_file;
   poses = scene.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(poses).string() : "";
   scene.device.library.clear();
@@ -49,16 +49,16 @@ Scenario readBack(Scenario scene) {
 
 }  // namespace
 
-std::string scenarioTextWithGrains(Scenario scenario, std::string_view grains_file) {
+std::string sceneFileTextWithGrains(SceneFile scenario, std::string_view grains_file) {
   scenario.bed.start = BedStart::kGiven;
   scenario.bed.given = {};
   scenario.bed.grading = {};
   return textOf(scenario, grains_file);
 }
 
-std::string scenarioText(const Scenario& scenario) {
+std::string sceneFileText(const SceneFile& scenario) {
   std::string text = textOf(scenario);
-  if (!(loadScenarioText(text, "the scene as text") == readBack(scenario))) {
+  if (!(loadSceneFileText(text, "the scene as text") == readBack(scenario))) {
     throw InvalidParameter(
         "scenario", fmt::format("'{}'", scenario.title),
         "one that a scene file can hold: with a title, lengths in mm, walls on all sides, and the tick "

@@ -34,7 +34,7 @@ void requireKeys(const TomlReader& reader, const SoilParameters& soil) {
   for (const char* measured : {"bulk_density_kg_m3", "friction_angle_deg", "cohesion_pa"}) {
     reader.require("target", measured);
   }
-  for (const ScenarioKey& key : soilKeys()) {
+  for (const SceneFileKey& key : soilKeys()) {
     const auto* number = std::ranges::find(kSoilNumbers, key.parameter, &SoilNumber::key);
     const bool is_friction = number == kSoilNumbers.end();
     if (is_friction || (number->role != SoilRole::kUsual && number->isUsedBy(soil.friction))) {
@@ -72,8 +72,8 @@ SoilFile read(const TomlReader& reader) {
     reader.apply(key, file);
   }
   // [soil] means what it means in a scene, so it is read into one.
-  Scenario scene;
-  for (const ScenarioKey& key : soilKeys()) {
+  SceneFile scene;
+  for (const SceneFileKey& key : soilKeys()) {
     reader.apply(key, scene);
   }
   file.soil = scene.bed.soil;
@@ -93,18 +93,18 @@ std::string linesOf(std::string_view table, const SoilFile& file) {
 }
 
 /// Whether only the friction model that this soil does not have uses the key.
-bool isOfOtherModel(std::string_view key, const Scenario& scene) {
+bool isOfOtherModel(std::string_view key, const SceneFile& scene) {
   return std::ranges::any_of(
       keyUses(), [&](const KeyUse& use) { return use.table == "soil" && use.name == key && !use.counts(scene); });
 }
 
 /// Numbers of the other friction model are left out unless somebody has set them.
 std::string soilLines(const SoilParameters& soil) {
-  const Scenario defaults;
-  Scenario scene;
+  const SceneFile defaults;
+  SceneFile scene;
   scene.bed.soil = soil;
   std::string lines;
-  for (const ScenarioKey& key : soilKeys()) {
+  for (const SceneFileKey& key : soilKeys()) {
     if (!isOfOtherModel(key.name, scene) || tomlLine(key, scene) != tomlLine(key, defaults)) {
       lines += tomlLine(key, scene);
     }

@@ -50,9 +50,9 @@ std::vector<SoilFileKey> allSoilFileKeys() {
 }
 
 /// What can be written is the soil's own; a preset, a name or a file is a scene's way to choose one.
-bool belongsToSoil(const ScenarioKey& key) {
-  const auto* number = std::get_if<ScenarioKey::NumberValue>(&key.value);
-  const auto* word = std::get_if<ScenarioKey::WordValue>(&key.value);
+bool belongsToSoil(const SceneFileKey& key) {
+  const auto* number = std::get_if<SceneFileKey::NumberValue>(&key.value);
+  const auto* word = std::get_if<SceneFileKey::WordValue>(&key.value);
   return key.table == "soil" &&
          ((number != nullptr && number->get != nullptr) || (word != nullptr && word->get != nullptr));
 }
@@ -64,10 +64,10 @@ std::span<const SoilFileKey> soilFileKeys() {
   return kKeys;
 }
 
-std::span<const ScenarioKey> soilKeys() {
-  static const std::vector<ScenarioKey> kKeys = [] {
-    std::vector<ScenarioKey> keys;
-    std::ranges::copy_if(scenarioKeys(), std::back_inserter(keys), belongsToSoil);
+std::span<const SceneFileKey> soilKeys() {
+  static const std::vector<SceneFileKey> kKeys = [] {
+    std::vector<SceneFileKey> keys;
+    std::ranges::copy_if(sceneFileKeys(), std::back_inserter(keys), belongsToSoil);
     return keys;
   }();
   return kKeys;

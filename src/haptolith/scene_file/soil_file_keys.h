@@ -14,6 +14,6 @@ using SoilFileKey = FileKey<SoilFile>;
 [[nodiscard]] std::span<const SoilFileKey> soilFileKeys();
 
 /// The keys of a soil file's [soil]: those of a scene's that are numbers of the soil itself.
-[[nodiscard]] std::span<const ScenarioKey> soilKeys();
+[[nodiscard]] std::span<const SceneFileKey> soilKeys();
 
 }  // namespace haptolith

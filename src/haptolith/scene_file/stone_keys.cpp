@@ -72,7 +72,7 @@ std::span<const StoneKey> stoneKeys() {
   return kKeys;
 }
 
-void readPlacedStones(const TomlReader& reader, Scenario& scene) {
+void readPlacedStones(const TomlReader& reader, SceneFile& scene) {
   if (!reader.has(kStone.table, kStone.name)) {
     return;
   }
@@ -96,7 +96,7 @@ void readPlacedStones(const TomlReader& reader, Scenario& scene) {
   }
 }
 
-std::string placedStonesText(const Scenario& scene) {
+std::string placedStonesText(const SceneFile& scene) {
   std::string text;
   for (const PlacedStone& stone : scene.bed.stones.placed) {
     text += "\n[[stone]]\n";

@@ -17,10 +17,10 @@ using StoneKey = FileKey<PlacedStone>;
 [[nodiscard]] std::span<const StoneKey> stoneKeys();
 
 /// The stones of a scene file that are each put somewhere; those of `scene` stay where the file has none.
-/// @throws ScenarioError.
-void readPlacedStones(const TomlReader& reader, Scenario& scene);
+/// @throws TomlError.
+void readPlacedStones(const TomlReader& reader, SceneFile& scene);
 
 /// As [[stone]] tables. Empty without any.
-[[nodiscard]] std::string placedStonesText(const Scenario& scene);
+[[nodiscard]] std::string placedStonesText(const SceneFile& scene);
 
 }  // namespace haptolith

@@ -56,7 +56,7 @@ std::span<const ToolPartKey> toolPartKeys() {
   return kKeys;
 }
 
-void readToolParts(const TomlReader& reader, Scenario& scene) {
+void readToolParts(const TomlReader& reader, SceneFile& scene) {
   if (!reader.has(kPart.table, kPart.name)) {
     return;
   }

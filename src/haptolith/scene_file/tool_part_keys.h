@@ -15,7 +15,7 @@ using ToolPartKey = FileKey<ToolPart>;
 [[nodiscard]] std::span<const ToolPartKey> toolPartKeys();
 
 /// The tool of a scene file that is put together of parts, as a mesh; that of `scene` stays where the file has none.
-/// @throws ScenarioError.
-void readToolParts(const TomlReader& reader, Scenario& scene);
+/// @throws TomlError.
+void readToolParts(const TomlReader& reader, SceneFile& scene);
 
 }  // namespace haptolith

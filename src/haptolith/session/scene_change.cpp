@@ -48,7 +48,7 @@ void changeStones(std::vector<PlacedStone>& stones, const SceneChange& change) {
   }
 }
 
-void changeGravity(Scenario& scenario, double gravity_m_s2) {
+void changeGravity(SceneFile& scenario, double gravity_m_s2) {
   Vec3& gravity = scenario.bed.gravity_m_s2;
   const double now_m_s2 = gravity.norm();
   requireInRange("gravity_m_s2", gravity_m_s2, BedRanges::gravity_m_s2);
@@ -75,7 +75,7 @@ void requireFitting(const MeshCorners& mesh, const std::string& name, const Rang
   }
 }
 
-Scenario changed(Scenario scenario, const SceneChange& change) {
+SceneFile changed(SceneFile scenario, const SceneChange& change) {
   if (change.preset && change.soil) {
     throw InvalidParameter("soil", *change.soil, "left out when there is a preset");
   }

@@ -30,7 +30,7 @@ constexpr double kAboveSurface_m = 0.35;
 constexpr std::size_t kMaxCachedBeds = 64;
 
 /// Before anything is made or moves.
-Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
+SceneFile forItsHand(SceneFile scenario, const HapticDevice* device) {
   if (device == nullptr && scenario.device.kind != DeviceKind::kVirtualHand && !scenario.loop.paced) {
     throw InvalidParameter("paced", "false",
                            fmt::format("true (without --unpaced) while a person may hold the tool at the device '{}': "
@@ -40,7 +40,7 @@ Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
   return scenario;
 }
 
-void requireEnoughSubsteps(const Scenario& scenario) {
+void requireEnoughSubsteps(const SceneFile& scenario) {
   const BedParameters& bed = scenario.bed;
   (void)substepsFor(bed, stiffnessInStep(scenario.tool, bed.soil.friction));
 }
@@ -66,7 +66,7 @@ struct Session::MakingMesh {
   std::future<std::shared_ptr<const ToolMesh>> result;
 };
 
-Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress& progress) {
+Session::Showing Session::showNew(const SceneFile& scenario, const SettleProgress& progress) {
   Showing made;
   made.scenario = scenario;
   made.made_of = scenario.bed;
@@ -77,7 +77,7 @@ Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress
   return made;
 }
 
-Session::Showing Session::showFresh(const Scenario& scenario, std::shared_ptr<const Fresh> fresh) {
+Session::Showing Session::showFresh(const SceneFile& scenario, std::shared_ptr<const Fresh> fresh) {
   Showing made;
   made.scenario = scenario;
   made.made_of = scenario.bed;
@@ -88,7 +88,7 @@ Session::Showing Session::showFresh(const Scenario& scenario, std::shared_ptr<co
   return made;
 }
 
-Session::Showing Session::showLying(const Scenario& scenario, const LyingSoil& lying,
+Session::Showing Session::showLying(const SceneFile& scenario, const LyingSoil& lying,
                                     std::shared_ptr<const Fresh> fresh) {
   Showing made;
   made.scenario = scenario;
@@ -98,7 +98,7 @@ Session::Showing Session::showLying(const Scenario& scenario, const LyingSoil& l
   return made;
 }
 
-Session::Session(Scenario scenario, bool keep_records, const SettleProgress& progress,
+Session::Session(SceneFile scenario, bool keep_records, const SettleProgress& progress,
                  std::unique_ptr<HapticDevice> device)
     : initial_(forItsHand(std::move(scenario), device.get())),
       wanted_(initial_),
@@ -261,7 +261,7 @@ bool Session::takeMadeMesh() {
 }
 
 void Session::change(const SceneChange& change) {
-  const Scenario next = changed(wanted_, change);
+  const SceneFile next = changed(wanted_, change);
   requireEnoughSubsteps(next);
   problem_.clear();
   wanted_ = next;
@@ -280,7 +280,7 @@ void Session::reset() {
 }
 
 void Session::show(std::span<const SceneChange> changes) {
-  Scenario next = initial_;
+  SceneFile next = initial_;
   for (const SceneChange& change : changes) {
     next = changed(std::move(next), change);
   }
@@ -299,7 +299,7 @@ void Session::level() {
 }
 
 void Session::coarsen() {
-  Scenario next = wanted_, begin = initial_;
+  SceneFile next = wanted_, begin = initial_;
   makeCoarser(next);
   begin.bed.soil = rescaled(begin.bed.soil, next.bed.soil.radius_m);
   validate(begin);
@@ -347,7 +347,7 @@ void Session::pursue() {
 
 /// What the loop does not take now is asked for again at the next poll().
 void Session::changeWhatIsThere() {
-  Scenario& now = current_.scenario;
+  SceneFile& now = current_.scenario;
   if (wanted_.bed.gravity_m_s2 != now.bed.gravity_m_s2) {
     if (!loop_->ask(request::Gravity{wanted_.bed.gravity_m_s2})) {
       return;
@@ -373,7 +373,7 @@ void Session::changeWhatIsThere() {
   }
 }
 
-std::shared_ptr<const Session::Fresh> Session::freshFor(const Scenario& scenario) const {
+std::shared_ptr<const Session::Fresh> Session::freshFor(const SceneFile& scenario) const {
   const auto same = [&scenario](const std::shared_ptr<const Fresh>& fresh) { return fresh->bed == scenario.bed; };
   const auto found = std::ranges::find_if(fresh_, same);
   return found == fresh_.end() ? nullptr : *found;
@@ -426,7 +426,7 @@ void Session::bringOnStage(Showing next) {
 }
 
 bool Session::adjust(const SoilAdjustment& adjustment) {
-  Scenario next = current_.scenario;
+  SceneFile next = current_.scenario;
   next.bed.soil = adjustment.of(next.bed.soil);
   next.tool.friction = adjustment.tool_friction;
   validate(next.bed.soil);
@@ -438,7 +438,7 @@ bool Session::adjust(const SoilAdjustment& adjustment) {
       !loop_->ask(request::Adjust{SoilLaws(next.bed.soil, grainClasses(next.bed)), next.tool.friction})) {
     return false;
   }
-  for (Scenario* scenario : {&current_.scenario, &wanted_}) {
+  for (SceneFile* scenario : {&current_.scenario, &wanted_}) {
     scenario->bed.soil = next.bed.soil;
     scenario->tool.friction = next.tool.friction;
   }
@@ -516,7 +516,7 @@ void Session::play(Manoeuvre manoeuvre) {
 }
 
 /// The title may name the motion.
-void Session::tellMotion(Scenario& scenario) const {
+void Session::tellMotion(SceneFile& scenario) const {
   const std::string before = sceneInWords(scenario);
   scenario.hand.manoeuvre = command_.manoeuvre;
   retitle(scenario, before);

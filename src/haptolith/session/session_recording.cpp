@@ -20,9 +20,9 @@ namespace {
 constexpr std::uint64_t kMostTicks = 3'600'000;
 
 RecordingHeader headerOf(const Session& session, const std::string& program_version) {
-  const Scenario& scenario = session.shown();
+  const SceneFile& scenario = session.shown();
   RecordingHeader header;
-  header.scenario = scenarioText(scenario);
+  header.scenario = sceneFileText(scenario);
   header.title = scenario.title;
   header.program_version = program_version;
   header.instruction_set = simdTarget();

@@ -67,7 +67,7 @@ SoilParameters withContactsOf(SoilParameters soil, const SoilParameters& other) 
   return soil;
 }
 
-std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario) {
+std::optional<CalibratedStrength> calibrationOf(const SceneFile& scenario) {
   const SoilParameters& soil = scenario.bed.soil;
   if (scenario.soil_name.empty() || soil.friction != FrictionModel::kContact) {
     return std::nullopt;

@@ -93,7 +93,7 @@ void exportFilm(RecordedPictures& pictures, std::string_view version,
   if (!pictures.scenario()) {
     throw Failure("this program cannot read the recorded scene, so there is nothing to show");
   }
-  const Scenario& scenario = *pictures.scenario();
+  const SceneFile& scenario = *pictures.scenario();
   std::optional<FrameEncoder> encoder;
   SceneSnapshot snapshot;
   pictures.forEach([&](const ScenePicture& picture) {

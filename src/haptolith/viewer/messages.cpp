@@ -57,7 +57,7 @@ OrderedJson analysedDensity(const SoilParameters& soil, double gravity_m_s2) {
 /// Friction angle, cohesion and density that the soil shows: a named soil's as they were measured, a preset's as
 /// (paper 17, 18) and the analysis of its layers have them. rho0 is neither's: it is that of the surface alone. Nothing
 /// is known of a named soil whose numbers have been changed, but for the density where only its contacts are others.
-OrderedJson measuresOf(const Scenario& scenario) {
+OrderedJson measuresOf(const SceneFile& scenario) {
   const SoilParameters& soil = scenario.bed.soil;
   OrderedJson measures{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}, {"bulk_density_kg_m3", nullptr}};
   if (!scenario.soil_name.empty()) {
@@ -107,7 +107,7 @@ OrderedJson meshJson(const TriangleMesh& mesh) {
 }
 
 /// The tool's mesh, if the scene has one, whatever the tool's shape is now.
-OrderedJson toolMeshJson(const Scenario& scenario) {
+OrderedJson toolMeshJson(const SceneFile& scenario) {
   if (scenario.tool.mesh == nullptr) {
     return nullptr;
   }
@@ -116,7 +116,7 @@ OrderedJson toolMeshJson(const Scenario& scenario) {
   return mesh;
 }
 
-OrderedJson soilJson(const Scenario& scenario) {
+OrderedJson soilJson(const SceneFile& scenario) {
   OrderedJson soil{{"preset", orNull(scenario.preset)},
                    {"name", orNull(scenario.soil_name)},
                    {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)}};
@@ -265,7 +265,7 @@ FrameSpace shownSpace(const BedParameters& bed, double surface_m) {
 }
 
 Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) {
-  const Scenario& scenario = shown.scenario;
+  const SceneFile& scenario = shown.scenario;
   const BedParameters& bed = scenario.bed;
   OrderedJson sliders = OrderedJson::array();
   for (const SoilSlider& slider : slidersOf(bed.soil, calibrationOf(scenario))) {

@@ -28,7 +28,7 @@ namespace haptolith {
 
 /// A scene that somebody looks at.
 struct SceneLookedAt {
-  const Scenario& scenario;    ///< as it is wanted
+  const SceneFile& scenario;   ///< as it is wanted
   const SoilParameters& soil;  ///< as it is shown
   std::uint32_t scene = 1;     ///< see FrameEncoder
   std::vector<Bed::GrainRun> grains;

@@ -30,7 +30,8 @@ namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "tiles are little-endian");
 
-/// One more whenever a bed settles to other bits than before: with the golden hashes (tests/scenario/golden_test.cpp).
+/// One more whenever a bed settles to other bits than before: with the golden hashes
+/// (tests/scene_file/golden_test.cpp).
 constexpr int kLaw = 2;
 /// The same of beds of several sizes alone.
 constexpr int kGradedLaw = 2;

@@ -145,7 +145,7 @@ auto& partAt(Target& target, Member member, auto... path) {
   }
 }
 
-/// @param path  members that lead from a Target to the part, one after the other: &Scenario::bed,
+/// @param path  members that lead from a Target to the part, one after the other: &SceneFile::bed,
 /// &BedParameters::stones
 template <class Target>
 [[nodiscard]] auto memberKeys(std::string_view table, auto... path) {

@@ -10,12 +10,12 @@ namespace haptolith {
 /// Something in a scene or a soil file is wrong. The text begins with the file and, where one is known, the line:
 ///
 ///     scenes/x.toml:12: [soil] rho_max_kg_m3 = 1000 is not valid: must be > 1330 and <= 1e+06
-class ScenarioError : public InvalidParameter {
+class TomlError : public InvalidParameter {
  public:
-  ScenarioError(std::string message, int line) : ScenarioError(std::move(message), line, {"scenario", "", ""}) {}
+  TomlError(std::string message, int line) : TomlError(std::move(message), line, {"scenario", "", ""}) {}
 
   /// @param wrong  the key ("soil.rho_max_kg_m3"), its value and what would be valid.
-  ScenarioError(std::string message, int line, const InvalidParameter& wrong)
+  TomlError(std::string message, int line, const InvalidParameter& wrong)
       : InvalidParameter(wrong), message_(std::move(message)), line_(line) {}
 
   [[nodiscard]] const char* what() const noexcept override { return message_.c_str(); }

@@ -30,7 +30,7 @@ Override parsedOverride(const std::string& text) {
   if (equals == std::string::npos || name.empty() || name.find_first_not_of(kKey) != std::string::npos ||
       std::ranges::count(name, '.') > 1) {
     const InvalidParameter wrong("override", fmt::format("'{}'", shortened(text)), std::string(kOverrideValid));
-    throw ScenarioError(wrong.what(), 0, wrong);
+    throw TomlError(wrong.what(), 0, wrong);
   }
   const std::size_t dot = name.find('.');
   return {.table = dot == std::string::npos ? "" : name.substr(0, dot),
@@ -56,7 +56,7 @@ toml::table tableOf(const Override& given, std::string_view source) {
     return toml::parse(fmt::format("value = \"{}\"\n", quoted), source);
   } catch (const toml::parse_error&) {
     const InvalidParameter wrong("override", fmt::format("'{}'", given.key), "with a value in UTF-8");
-    throw ScenarioError(wrong.what(), 0, wrong);
+    throw TomlError(wrong.what(), 0, wrong);
   }
 }
 

@@ -187,11 +187,11 @@ std::string TomlReader::located(const toml::node& node, std::string_view message
 }
 
 void TomlReader::refuse(int line, std::string_view message) const {
-  throw ScenarioError(located(line, message), line);
+  throw TomlError(located(line, message), line);
 }
 
 void TomlReader::refuseFile(std::string_view why) const {
-  throw ScenarioError(fmt::format("{}: {}", path_.string(), why), 0);
+  throw TomlError(fmt::format("{}: {}", path_.string(), why), 0);
 }
 
 void TomlReader::refuseKey(const KeyName& key, std::string_view valid) const {
@@ -200,7 +200,7 @@ void TomlReader::refuseKey(const KeyName& key, std::string_view valid) const {
 
 void TomlReader::refuseValue(const Place& place) const {
   const std::string value = quote(place.node);
-  throw ScenarioError(
+  throw TomlError(
       located(place.node, fmt::format("{} = {} is not valid: must be {}", fullName(place.key), value, place.valid)),
       lineOfNode(place.node), {dotted(place.key), value, place.valid});
 }
@@ -209,7 +209,7 @@ void TomlReader::refuseLeftOut(const KeyName& key, std::string_view value, std::
   const std::string message =
       fmt::format("{} = {} ({}) is not valid: must be {}", fullName(key), value, kind_.left_out, valid);
   const std::string where = part_.empty() ? fmt::format("{}: {}", path_.string(), message) : located(line(), message);
-  throw ScenarioError(where, part_.empty() ? 0 : line(), {dotted(key), std::string(value), std::string(valid)});
+  throw TomlError(where, part_.empty() ? 0 : line(), {dotted(key), std::string(value), std::string(valid)});
 }
 
 void TomlReader::refuseUnknownKeys(std::span<const KeyName> known) const {
@@ -240,7 +240,7 @@ void TomlReader::refuseUnknown(const KeyName& key, const toml::node& node, std::
   // A table that an override has made stands in no line: its key tells who asked for it.
   const toml::table* made = node.source().begin ? nullptr : node.as_table();
   const toml::node& at = made == nullptr || made->empty() ? node : made->begin()->second;
-  throw ScenarioError(located(at, message), lineOfNode(at), {dotted(key), quote(node), "a key that is known"});
+  throw TomlError(located(at, message), lineOfNode(at), {dotted(key), quote(node), "a key that is known"});
 }
 
 /// The nearest key of the same table, or the same key in another table.
@@ -412,8 +412,8 @@ fs::path TomlReader::besideFile(const Place& place) const {
   fs::path path = folder / text(place, TextSize::kPath);
   std::error_code ignored;  // such as a name that is too long for any file
   if (!fs::is_regular_file(path, ignored)) {
-    throw ScenarioError(located(place.node, fmt::format("{} = {}: no such file", fullName(place.key), path.string())),
-                        lineOfNode(place.node), {dotted(place.key), path.string(), "a file"});
+    throw TomlError(located(place.node, fmt::format("{} = {}: no such file", fullName(place.key), path.string())),
+                    lineOfNode(place.node), {dotted(place.key), path.string(), "a file"});
   }
   return path;
 }

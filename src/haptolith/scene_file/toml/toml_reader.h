@@ -47,11 +47,11 @@ struct RivalKeys {
   std::string_view table, one, other;
 };
 
-/// A TOML file on its way into the program, key by key. Everything that is wrong with it is thrown as a ScenarioError
+/// A TOML file on its way into the program, key by key. Everything that is wrong with it is thrown as a TomlError
 /// with file, line, key, value and what would be valid.
 class TomlReader {
  public:
-  /// @throws ScenarioError when there is no such file or it is no TOML; Failure when it cannot be read.
+  /// @throws TomlError when there is no such file or it is no TOML; Failure when it cannot be read.
   TomlReader(const std::filesystem::path& path, const FileKind& kind);
 
   /// The same for a text that is no file, or no file yet; messages call it `path`.
@@ -61,7 +61,7 @@ class TomlReader {
   TomlReader(std::span<const std::string> overrides, const FileKind& kind);
 
   /// As if the file said so: each is "table.key=value", or "key=value" at the top. The value is TOML; what is none is
-  /// text. A key of the file that is a rival of one of these is passed over. @throws ScenarioError.
+  /// text. A key of the file that is a rival of one of these is passed over. @throws TomlError.
   void takeOverrides(std::span<const std::string> overrides, std::span<const RivalKeys> rivals);
 
   /// Leaves out the keys of a table, or of the file itself where that is empty, that `which` chooses and no override
@@ -75,7 +75,7 @@ class TomlReader {
   [[nodiscard]] bool has(std::string_view table, std::string_view name) const { return find(table, name) != nullptr; }
 
   /// A reader for each of the tables [[name]], which reads their keys as if each were a file of its own.
-  /// @throws ScenarioError when there is something else of that name.
+  /// @throws TomlError when there is something else of that name.
   [[nodiscard]] std::vector<TomlReader> parts(std::string_view name) const;
 
   /// Where the table begins that this reads; 1 for a whole file.
@@ -187,7 +187,7 @@ void TomlReader::apply(const FileKey<Target>& key, Target& target) const {
   };
   try {
     std::visit(set, key.value);
-  } catch (const ScenarioError&) {
+  } catch (const TomlError&) {
     throw;
   } catch (const InvalidParameter& error) {
     refuseValue({place.key, *node, error.valid()});

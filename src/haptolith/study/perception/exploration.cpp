@@ -197,12 +197,12 @@ Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& af
   return seen;
 }
 
-LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress) {
+LevelBed levelBed(const SceneFile& scenario, const SettleProgress& progress) {
   const Scene scene(scenario.bed, scenario.tool, progress);
   return {.lying = scene.bed().lying(), .surface_m = scene.bed().surfaceHeight()};
 }
 
-ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options) {
+ExploringHand exploringHand(const SceneFile& scenario, const ExplorationOptions& options) {
   validate(options);
   std::mt19937_64 random(options.seed);
   const auto about = [&](double share) { return 1 + options.variation * share * uniformSigned(random); };
@@ -225,7 +225,7 @@ ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& 
   return exploring;
 }
 
-void requireReach(const Scenario& scenario, Manoeuvre manoeuvre) {
+void requireReach(const SceneFile& scenario, Manoeuvre manoeuvre) {
   HandParameters hand = scenario.hand;
   hand.manoeuvre = manoeuvre;
   hand.surface_m = 0;
@@ -250,12 +250,12 @@ void requireReach(const Scenario& scenario, Manoeuvre manoeuvre) {
   }
 }
 
-Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options) {
+Exploration explore(const SceneFile& scenario, const LevelBed& bed, const ExplorationOptions& options) {
   return explore(scenario, bed, exploringHand(scenario, options), options.rounds);
 }
 
-Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& exploring, int rounds) {
-  Scenario unpaced = scenario;
+Exploration explore(const SceneFile& scenario, const LevelBed& bed, const ExploringHand& exploring, int rounds) {
+  SceneFile unpaced = scenario;
   unpaced.device.kind = DeviceKind::kVirtualHand;
   unpaced.loop.paced = false;
   unpaced.hand = exploring.hand;
@@ -301,7 +301,7 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
   return done;
 }
 
-Exploration explore(const Scenario& scenario, const ExplorationOptions& options) {
+Exploration explore(const SceneFile& scenario, const ExplorationOptions& options) {
   return explore(scenario, levelBed(scenario), options);
 }
 

@@ -17,7 +17,7 @@ namespace haptolith {
 struct PerceptionStimulus {
   std::string name;  ///< "P3", "Moon"
   double x = 0;      ///< friction coefficient, or gravity in m/s^2
-  Scenario scene;
+  SceneFile scene;
 };
 
 /// One of the paper's two experiments with one model of friction, explored.

@@ -151,13 +151,13 @@ void requireTeleop(const StudyProtocol& protocol, const StudyBlock& block) {
   if (std::ranges::find(sites, work.site) == sites.end()) {
     throw InvalidParameter("site", inQuotes(work.site), fmt::format("a built-in scene: {}", fmt::join(sites, ", ")));
   }
-  const Scenario model = sceneOf(protocol, block, block.reference);
+  const SceneFile model = sceneOf(protocol, block, block.reference);
   const bool can_learn =
       protocol.scene.bed.soil.friction == FrictionModel::kContact && model.bed.soil.friction == FrictionModel::kContact;
   if (work.felt == TeleopFelt::kLearning && !can_learn) {
     throw InvalidParameter("felt", "learning", "model or none where the study's scene has no contact friction");
   }
-  if (const double tick_s = findScenario(work.site).loop.tick_s; tick_s != model.loop.tick_s) {
+  if (const double tick_s = findSceneFile(work.site).loop.tick_s; tick_s != model.loop.tick_s) {
     throw InvalidParameter("site", inQuotes(work.site),
                            fmt::format("one whose loop has ticks of {:g} s, as the scene's", model.loop.tick_s));
   }
@@ -235,7 +235,7 @@ std::string builtInScene(const TomlReader& reader) {
   return std::ranges::find(names, name) != names.end() ? name : "";
 }
 
-StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
+StudyProtocol read(const TomlReader& reader, const SceneFile* scene) {
   std::vector<KeyName> known = keyNames(protocolKeys());
   for (const char* tables : {"block", "demographics", "groups", "item"}) {
     known.push_back({"", tables});
@@ -253,9 +253,9 @@ StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
   if (scene != nullptr) {
     protocol.scene = *scene;
   } else if (!built_in.empty()) {
-    protocol.scene = findScenario(built_in);
+    protocol.scene = findSceneFile(built_in);
   } else if (!draft.scene_file.empty()) {
-    protocol.scene = loadScenario(draft.scene_file);
+    protocol.scene = loadSceneFile(draft.scene_file);
   }
   reader.require("", "block");
   for (const TomlReader& part : reader.parts("block")) {
@@ -280,7 +280,7 @@ StudyProtocol loadProtocol(const fs::path& path) {
   return read(TomlReader(path, kProtocol), nullptr);
 }
 
-StudyProtocol loadProtocolText(std::string_view toml, std::string_view name, const Scenario* scene) {
+StudyProtocol loadProtocolText(std::string_view toml, std::string_view name, const SceneFile* scene) {
   return read(TomlReader(fs::path(name), toml, kProtocol), scene);
 }
 
@@ -324,7 +324,7 @@ ProtocolText findProtocol(std::string_view name_or_file) {
   return {.name = path.string(), .text = std::move(text)};
 }
 
-Scenario sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus) {
+SceneFile sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus) {
   return changed(changed(protocol.scene, block.scene), stimulus.change);
 }
 

@@ -14,7 +14,7 @@
 namespace haptolith::simulation {
 
 /// The hand of a scene, above a surface.
-inline HandParameters handAbove(const Scenario& scenario, double surface_m) {
+inline HandParameters handAbove(const SceneFile& scenario, double surface_m) {
   HandParameters hand = scenario.hand;
   hand.surface_m = surface_m;
   return hand;

@@ -17,7 +17,7 @@ inline constexpr std::uint64_t kLookEvery = 250;
 
 /// A bed with its tool, and where its soil's surface is.
 struct Site {
-  explicit Site(const Scenario& scenario)
+  explicit Site(const SceneFile& scenario)
       : scene(scenario.bed, scenario.tool), surface_m(meanSurfaceHeight(scene.bed())) {}
 
   /// Over the surface that it began with.
