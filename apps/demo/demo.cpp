@@ -56,9 +56,9 @@ constexpr auto kBeforeMaking = 300ms;
 
 class Demo {
  public:
-  Demo(SceneFile base, SceneFile scenario)
+  Demo(SceneFile base, SceneFile scene_file)
       : base_(std::move(base)),
-        session_(unpaced(std::move(scenario)), false,
+        session_(unpaced(std::move(scene_file)), false,
                  [](double settled_s, double) {
                    tellSettling(settled_s);
                    return true;
@@ -84,14 +84,14 @@ class Demo {
   }
 
  private:
-  static SceneFile unpaced(SceneFile scenario) {
-    scenario.loop.paced = false;  // by the worker instead
-    scenario.bed.threads = 1;
-    return scenario;
+  static SceneFile unpaced(SceneFile scene_file) {
+    scene_file.loop.paced = false;  // by the worker instead
+    scene_file.bed.threads = 1;
+    return scene_file;
   }
 
   void tickUntil(Clock::time_point until) {
-    const double tick_s = session_.scenario().loop.tick_s;
+    const double tick_s = session_.sceneFile().loop.tick_s;
     for (; behind_s_ >= tick_s && end_ == LoopEnd::kRunning; behind_s_ -= tick_s) {
       end_ = session_.loop().tick();
       if (Clock::now() >= until) {
@@ -125,13 +125,13 @@ std::unique_ptr<Demo> demo;
 std::string told;
 
 /// The same as the golden test's of the program: each force that the hand was given, and the soil at the end.
-std::string outcomeOf(SceneFile scenario, int ticks) {
-  scenario.loop.paced = false;
-  Scene scene(scenario.bed, scenario.tool);
+std::string outcomeOf(SceneFile scene_file, int ticks) {
+  scene_file.loop.paced = false;
+  Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
-  scenario.hand.surface_m = surface_m;
-  VirtualHand hand(scenario.hand, scenario.bed.tick_s);
-  HapticLoop loop(scene, hand, scenario.loop, true, handlingOf(scenario, surface_m));
+  scene_file.hand.surface_m = surface_m;
+  VirtualHand hand(scene_file.hand, scene_file.bed.tick_s);
+  HapticLoop loop(scene, hand, scene_file.loop, true, handlingOf(scene_file, surface_m));
   std::vector<TickRecord> records;
   std::uint64_t hash = 0;
   const auto fold = [&hash](const void* data, std::size_t bytes) { hash = XXH3_64bits_withSeed(data, bytes, hash); };
@@ -155,8 +155,8 @@ std::string outcomeOf(SceneFile scenario, int ticks) {
 
 /// The soil in each tick of a cut whose way asks nothing of the C library, so that it is the same on every machine, as
 /// tests/scene_file/golden_test.cpp has it.
-std::string outcomeOfCut(const SceneFile& scenario, int ticks) {
-  Scene scene(scenario.bed, scenario.tool);
+std::string outcomeOfCut(const SceneFile& scene_file, int ticks) {
+  Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
   std::uint64_t hash = 0;
   for (int tick = 0; tick <= ticks; ++tick) {
@@ -201,14 +201,14 @@ const std::vector<DemoScene>& demoScenes() {
 }
 
 /// The finest particles that this browser's worker steps in time, measured once.
-SceneFile fitted(SceneFile scenario) {
+SceneFile fitted(SceneFile scene_file) {
   static const double radius_m = [&] {
     constexpr std::array kOneThread{1};
     const std::atomic<bool> never{false};
-    return finestGrain(scenario.bed, scenario.tool, {.paced = false}, kOneThread, never).chosen.radius_m;
+    return finestGrain(scene_file.bed, scene_file.tool, {.paced = false}, kOneThread, never).chosen.radius_m;
   }();
-  scenario.bed.soil = rescaled(scenario.bed.soil, radius_m);
-  return scenario;
+  scene_file.bed.soil = rescaled(scene_file.bed.soil, radius_m);
+  return scene_file;
 }
 
 SceneFile sceneNamed(std::string_view name) {
@@ -219,7 +219,7 @@ SceneFile sceneNamed(std::string_view name) {
 
 /// @param changes  "table.key=value" in a line each: what overridesOf() gave somebody else.
 SceneFile sceneOf(std::string_view name, std::string_view changes) {
-  SceneFile scenario = sceneNamed(name);
+  SceneFile scene_file = sceneNamed(name);
   std::vector<std::string> overrides;
   while (!changes.empty()) {
     const std::size_t end = std::min(changes.find('\n'), changes.size());
@@ -227,14 +227,14 @@ SceneFile sceneOf(std::string_view name, std::string_view changes) {
     changes.remove_prefix(std::min(end + 1, changes.size()));
   }
   // By its numbers, so that what is changed does not contradict a name.
-  return overrides.empty() ? scenario : sceneFileFromText(sceneFileText(scenario), "this address", overrides);
+  return overrides.empty() ? scene_file : sceneFileFromText(sceneFileText(scene_file), "this address", overrides);
 }
 
 /// The lines of a scene's text, each as "table.key=value".
-std::vector<std::string> settingsOf(const SceneFile& scenario) {
+std::vector<std::string> settingsOf(const SceneFile& scene_file) {
   std::vector<std::string> settings;
   std::string table;
-  std::istringstream text(sceneFileText(scenario));
+  std::istringstream text(sceneFileText(scene_file));
   for (std::string line; std::getline(text, line);) {
     const std::size_t equals = line.find(" = ");
     if (line.starts_with('[')) {
@@ -260,7 +260,7 @@ std::string overridesOf(const SceneFile& base, const SceneFile& now) {
 }
 
 std::string Demo::changes() const {
-  SceneFile now = session_.scenario();
+  SceneFile now = session_.sceneFile();
   now.loop = base_.loop;  // the worker's own
   now.bed.threads = base_.bed.threads;
   now.hand.surface_m = base_.hand.surface_m;
@@ -292,8 +292,8 @@ EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
 EMSCRIPTEN_KEEPALIVE const char* demoTile(const char* scene, const char* changes) {
   std::string name;
   const char* failed = haptolith::demo::tell([&] {
-    const haptolith::SceneFile scenario = haptolith::demo::sceneOf(scene, changes);
-    const haptolith::BedParameters& bed = scenario.bed;
+    const haptolith::SceneFile scene_file = haptolith::demo::sceneOf(scene, changes);
+    const haptolith::BedParameters& bed = scene_file.bed;
     name = bed.start != haptolith::BedStart::kSettled ? ""
            : bed.ready_made                           ? haptolith::readyTileName(bed)
                                                       : haptolith::tileFileName(bed);
@@ -307,10 +307,10 @@ EMSCRIPTEN_KEEPALIVE const char* demoOpen(const char* scene, const char* changes
   return haptolith::demo::tell([&] {
     haptolith::useTileCache("/tiles");
     page().post = [](const std::string& bytes, bool binary) { postToPage(bytes.data(), bytes.size(), binary ? 1 : 0); };
-    haptolith::SceneFile scenario = haptolith::demo::sceneOf(scene, changes);
+    haptolith::SceneFile scene_file = haptolith::demo::sceneOf(scene, changes);
     haptolith::demo::demo.reset();
     haptolith::demo::demo =
-        std::make_unique<haptolith::demo::Demo>(haptolith::demo::sceneNamed(scene), std::move(scenario));
+        std::make_unique<haptolith::demo::Demo>(haptolith::demo::sceneNamed(scene), std::move(scene_file));
     page().come();
   });
 }
@@ -345,8 +345,8 @@ EMSCRIPTEN_KEEPALIVE double demoTakeFile(const char* bytes, std::size_t size) {
 EMSCRIPTEN_KEEPALIVE const char* demoOutcome(const char* scene, int ticks, bool cut) {
   std::string outcome;
   const char* failed = haptolith::demo::tell([&] {
-    const haptolith::SceneFile scenario = haptolith::loadSceneFileText(scene, "scene");
-    outcome = cut ? haptolith::demo::outcomeOfCut(scenario, ticks) : haptolith::demo::outcomeOf(scenario, ticks);
+    const haptolith::SceneFile scene_file = haptolith::loadSceneFileText(scene, "scene");
+    outcome = cut ? haptolith::demo::outcomeOfCut(scene_file, ticks) : haptolith::demo::outcomeOf(scene_file, ticks);
   });
   if (*failed == '\0') {
     haptolith::demo::told = outcome;

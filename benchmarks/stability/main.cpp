@@ -228,7 +228,7 @@ StabilityCase atUnknownDevice(const HoldingHand& hand, int delay_ticks, double s
 }
 
 struct UnknownCell {
-  const SceneFile* scenario = nullptr;
+  const SceneFile* scene_file = nullptr;
   const LyingSoil* lying = nullptr;
   StabilityCase setting;
   StabilityResult result, without;
@@ -261,9 +261,9 @@ int unknownDevices(int threads) {
   inParallel(cells.size(), threads, [&cells](std::size_t i) {
     UnknownCell& cell = cells[i];
     StabilityCase setting = cell.setting;
-    cell.result = measureStability(cell.scenario->bed, *cell.lying, setting, cell.scenario->tool);
+    cell.result = measureStability(cell.scene_file->bed, *cell.lying, setting, cell.scene_file->tool);
     setting.passivity = false;
-    cell.without = measureStability(cell.scenario->bed, *cell.lying, setting, cell.scenario->tool);
+    cell.without = measureStability(cell.scene_file->bed, *cell.lying, setting, cell.scene_file->tool);
   });
   fmt::print(
       "soil,hand,delay_ms,step_mm,noise_mm,injected_mj,vibration_mm,vibration_before_mm,held_n,held_without_n\n");
@@ -271,7 +271,7 @@ int unknownDevices(int threads) {
   for (const UnknownCell& cell : cells) {
     const StabilityCase& setting = cell.setting;
     const StabilityResult& result = cell.result;
-    fmt::print("\"{}\",\"{}\",{},{:g},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", cell.scenario->title,
+    fmt::print("\"{}\",\"{}\",{},{:g},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", cell.scene_file->title,
                setting.hand.name, setting.delay_ticks, 1e3 * setting.step_m, 1e3 * setting.noise_m,
                1e3 * result.injected_j, 1e3 * result.vibration_m, 1e3 * result.vibration_before_m, result.held_n,
                cell.without.held_n);
@@ -315,13 +315,13 @@ int releasedHandles(int threads) {
   }
   inParallel(cells.size(), threads, [&cells](std::size_t i) {
     UnknownCell& cell = cells[i];
-    cell.result = measureStability(cell.scenario->bed, *cell.lying, cell.setting, cell.scenario->tool);
+    cell.result = measureStability(cell.scene_file->bed, *cell.lying, cell.setting, cell.scene_file->tool);
   });
   fmt::print("soil,hand,weight_n,delay_ms,step_mm,injected_mj,released_n,after_release_mj,vibration_mm,softest\n");
   double most_j = 0;
   std::size_t above = 0;
-  for (const auto& [scenario, soil, setting, result, without] : cells) {
-    fmt::print("\"{}\",\"{}\",{:g},{},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g}\n", scenario->title, setting.hand.name,
+  for (const auto& [scene_file, soil, setting, result, without] : cells) {
+    fmt::print("\"{}\",\"{}\",{:g},{},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g}\n", scene_file->title, setting.hand.name,
                setting.hand.weight_n, setting.delay_ticks, 1e3 * setting.step_m, 1e3 * result.injected_j,
                result.released_n, 1e3 * result.after_release_j, 1e3 * result.vibration_m, result.softest);
     most_j = std::max(most_j, result.after_release_j);

@@ -17,9 +17,9 @@ namespace haptolith {
 namespace {
 
 SceneFile autoWith(double radius_m) {
-  SceneFile scenario = findSceneFile("auto");
-  scenario.bed.soil = rescaled(scenario.bed.soil, radius_m);
-  return scenario;
+  SceneFile scene_file = findSceneFile("auto");
+  scene_file.bed.soil = rescaled(scene_file.bed.soil, radius_m);
+  return scene_file;
 }
 
 TEST(AutoScene, SoilOfEachRadiusShipsWithTheProgram) {
@@ -37,9 +37,9 @@ using AutoSceneOnEveryTarget = EveryTarget;
 
 TEST_F(AutoSceneOnEveryTarget, LiesStillUntilItIsTouched) {
   for (const double radius_m : {7e-3, 4.4e-3, 2.9e-3}) {
-    SceneFile scenario = autoWith(radius_m);
+    SceneFile scene_file = autoWith(radius_m);
     forEachTarget([&] {
-      Scene scene(scenario.bed, scenario.tool);
+      Scene scene(scene_file.bed, scene_file.tool);
       HandState above;
       above.pose.position_m = Vec3(0, 0, scene.bed().surfaceHeight() + 0.1);
       scene.placeTool(above);
@@ -52,10 +52,10 @@ TEST_F(AutoSceneOnEveryTarget, LiesStillUntilItIsTouched) {
 }
 
 TEST_F(AutoSceneOnEveryTarget, IsAtRestThoughNothingMaySleep) {
-  SceneFile scenario = autoWith(4.4e-3);
-  scenario.bed.sleep = false;
+  SceneFile scene_file = autoWith(4.4e-3);
+  scene_file.bed.sleep = false;
   forEachTarget([&] {
-    Scene scene(scenario.bed, scenario.tool);
+    Scene scene(scene_file.bed, scene_file.tool);
     HandState above;
     above.pose.position_m = Vec3(0, 0, scene.bed().surfaceHeight() + 0.1);
     scene.placeTool(above);
@@ -67,27 +67,28 @@ TEST_F(AutoSceneOnEveryTarget, IsAtRestThoughNothingMaySleep) {
 }
 
 TEST(AutoScene, BecomesCoarserStepByStep) {
-  SceneFile scenario = findSceneFile("auto");
+  SceneFile scene_file = findSceneFile("auto");
   int steps = 0;
-  for (double before_m = scenario.bed.soil.radius_m; canBeCoarser(scenario); before_m = scenario.bed.soil.radius_m) {
-    makeCoarser(scenario);
-    EXPECT_GT(scenario.bed.soil.radius_m, 1.04 * before_m);
-    EXPECT_LT(scenario.bed.soil.radius_m, 1.15 * before_m);
-    EXPECT_TRUE(readyTile(scenario.bed));
+  for (double before_m = scene_file.bed.soil.radius_m; canBeCoarser(scene_file);
+       before_m = scene_file.bed.soil.radius_m) {
+    makeCoarser(scene_file);
+    EXPECT_GT(scene_file.bed.soil.radius_m, 1.04 * before_m);
+    EXPECT_LT(scene_file.bed.soil.radius_m, 1.15 * before_m);
+    EXPECT_TRUE(readyTile(scene_file.bed));
     ++steps;
   }
   EXPECT_EQ(steps, 5);
-  EXPECT_DOUBLE_EQ(scenario.bed.soil.radius_m, kGrainRadii_m.front());
-  EXPECT_THROW(makeCoarser(scenario), InvalidParameter);
+  EXPECT_DOUBLE_EQ(scene_file.bed.soil.radius_m, kGrainRadii_m.front());
+  EXPECT_THROW(makeCoarser(scene_file), InvalidParameter);
   EXPECT_FALSE(canBeCoarser(findSceneFile("paper"))) << "its particles are counted";
   EXPECT_TRUE(canBeCoarser(findSceneFile("regolith")));
 }
 
 TEST(AutoScene, IsTheSameWhenReadFromItsText) {
-  const SceneFile scenario = autoWith(4e-3);
-  const SceneFile read = loadSceneFileText(sceneFileText(scenario), "stored");
+  const SceneFile scene_file = autoWith(4e-3);
+  const SceneFile read = loadSceneFileText(sceneFileText(scene_file), "stored");
   EXPECT_TRUE(read.bed.ready_made);
-  EXPECT_EQ(readyTileName(read.bed), readyTileName(scenario.bed));
+  EXPECT_EQ(readyTileName(read.bed), readyTileName(scene_file.bed));
   EXPECT_TRUE(readyTile(read.bed));
 }
 

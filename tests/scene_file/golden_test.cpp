@@ -178,16 +178,16 @@ std::uint64_t fold(std::uint64_t hash, const void* data, std::size_t bytes) {
 }
 
 /// The soil, the tool and each force that the hand was given.
-std::uint64_t outcomeOf(const SceneFile& scenario) {
-  Scene scene(scenario.bed, scenario.tool);
+std::uint64_t outcomeOf(const SceneFile& scene_file) {
+  Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
-  HandParameters hand_parameters = scenario.hand;
+  HandParameters hand_parameters = scene_file.hand;
   hand_parameters.surface_m = surface_m;
-  VirtualHand hand(hand_parameters, scenario.bed.tick_s);
-  HapticLoop loop(scene, hand, scenario.loop, true, handlingOf(scenario, surface_m));
+  VirtualHand hand(hand_parameters, scene_file.bed.tick_s);
+  HapticLoop loop(scene, hand, scene_file.loop, true, handlingOf(scene_file, surface_m));
   std::vector<TickRecord> records;
   std::uint64_t hash = 0;
-  const int ticks = static_cast<int>(scenario.loop.duration_s / scenario.loop.tick_s);
+  const int ticks = static_cast<int>(scene_file.loop.duration_s / scene_file.loop.tick_s);
   double strongest_n = 0;
   for (int tick = 0; tick < ticks; ++tick) {
     EXPECT_EQ(loop.tick(), LoopEnd::kRunning);
@@ -225,15 +225,15 @@ class GoldenScene : public testing::TestWithParam<Golden> {
 
 TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
   const Golden& golden = GetParam();
-  SceneFile scenario = loadSceneFileText(golden.toml, golden.name);
-  scenario.loop.paced = false;
-  scenario.loop.duration_s = golden.duration_s;
+  SceneFile scene_file = loadSceneFileText(golden.toml, golden.name);
+  scene_file.loop.paced = false;
+  scene_file.loop.duration_s = golden.duration_s;
   int compared = 0;
   for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
     hwy::SetSupportedTargetsForTest(targets & -targets);
     const std::string target = guessesOf(simdTarget());
     const auto stored = golden.hash.find(target);
-    const std::uint64_t hash = outcomeOf(scenario);
+    const std::uint64_t hash = outcomeOf(scene_file);
     const std::string row = fmt::format("{{\"{}\", 0x{:x}U}}", target, hash);
     if (stored == golden.hash.end()) {
       fmt::print("{}: no hash of this instruction set has been stored yet: {}\n", golden.name, row);
@@ -247,8 +247,8 @@ TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
 
 /// The soil in each tick of a cut whose way asks nothing of the C library: in a browser without vectors it comes to the
 /// same bits. What the tool feels does not always, in the last bits of a double (docs/demo.md).
-std::uint64_t outcomeOfStraightCut(const SceneFile& scenario, int ticks) {
-  Scene scene(scenario.bed, scenario.tool);
+std::uint64_t outcomeOfStraightCut(const SceneFile& scene_file, int ticks) {
+  Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
   std::uint64_t hash = 0;
   HandState hand;
@@ -275,8 +275,8 @@ TEST(GoldenStraightCut, WithoutVectorsHasTheBitsOfABrowserWithoutThem) {
   hwy::SetSupportedTargetsForTest(HWY_SCALAR);
   for (const auto& [soil, golden] :
        {std::pair("preset = \"P3\"", 0xdf808dcaf080cedaU), std::pair("name = \"lunar-0-15cm\"", 0x16b91cf91059c19aU)}) {
-    const SceneFile scenario = loadSceneFileText(fmt::format("[soil]\n{}\n", soil), "cut");
-    const std::uint64_t hash = outcomeOfStraightCut(scenario, 2000);
+    const SceneFile scene_file = loadSceneFileText(fmt::format("[soil]\n{}\n", soil), "cut");
+    const std::uint64_t hash = outcomeOfStraightCut(scene_file, 2000);
     EXPECT_EQ(hash, golden) << fmt::format("0x{:x}", hash);
   }
   hwy::SetSupportedTargetsForTest(0);

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 class LoadSceneFile : public testing::Test {
  protected:
-  LoadSceneFile() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scenario_{}", getpid())) {
+  LoadSceneFile() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scene_file_{}", getpid())) {
     fs::create_directories(folder_);
   }
   ~LoadSceneFile() override { fs::remove_all(folder_); }

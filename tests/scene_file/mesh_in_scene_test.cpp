@@ -187,7 +187,7 @@ TEST(BuiltInTools, NeedNoMendingAndFitIntoAHand) {
 }
 
 TEST(DrawnTools, TheScoopCarriesALoadThatWeighsWhatItWeighs) {
-  const SceneFile scenario = sceneFileFromText(
+  const SceneFile scene_file = sceneFileFromText(
       "[tool]\nname = 'scoop'\n[soil]\nname = 'lunar-0-15cm'\nradius_mm = 4\n[bed]\nwidth_mm = 400\n", "x.toml");
   constexpr double kHeight_m = 0.1;
   std::vector<Vec3> grains{{-0.19, -0.05, 0.004}};  // in a corner of the box: the soil's surface
@@ -199,14 +199,14 @@ TEST(DrawnTools, TheScoopCarriesALoadThatWeighsWhatItWeighs) {
     }
   }
   const auto load = static_cast<double>(grains.size() - 1);
-  Scene scene(scenario.bed, scenario.tool, grains);
+  Scene scene(scene_file.bed, scene_file.tool, grains);
   scene.placeTool({{{Vec3(0, 0, kHeight_m), Quat::Identity()}, {}}});
   HandState hand{{scene.toolPose(), {}}};
   for (int i = 0; i < 1500; ++i) {
     ASSERT_EQ(scene.tick(hand), StepStatus::kOk);
   }
-  const double mass_kg = load * macroparticleMass(scenario.bed.soil);
-  const double weight_n = -mass_kg * scenario.bed.gravity_m_s2.z();
+  const double mass_kg = load * macroparticleMass(scene_file.bed.soil);
+  const double weight_n = -mass_kg * scene_file.bed.gravity_m_s2.z();
   EXPECT_NEAR(scene.felt().wrench.force_n.z(), -weight_n, 0.03 * weight_n);
   // Sideways with 0.5 m/s^2 for 0.4 s.
   constexpr double kFaster_m_s2 = 0.5;

@@ -216,7 +216,7 @@ std::string likelyValue(const SceneFileKey& key, std::mt19937_64& random) {
 
 class SceneFileWithPoses : public testing::Test {
  protected:
-  SceneFileWithPoses() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scenario_text_{}", getpid())) {
+  SceneFileWithPoses() : folder_(fs::path(testing::TempDir()) / fmt::format("haptolith_scene_file_text_{}", getpid())) {
     fs::create_directories(folder_);
     std::ofstream(folder_ / "moves.csv") << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
   }

@@ -126,10 +126,10 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
       std::fflush(stdout);
     }
     try {
-      SceneFile scenario = findSceneFile(base, overrides);
-      scenario.loop.paced = false;
-      scenario.loop.duration_s = kDuration_s;
-      Session session(scenario, false);
+      SceneFile scene_file = findSceneFile(base, overrides);
+      scene_file.loop.paced = false;
+      scene_file.loop.duration_s = kDuration_s;
+      Session session(scene_file, false);
       std::atomic<bool> stop{false};
       session.start(stop);
       const LoopEnd end = session.join();

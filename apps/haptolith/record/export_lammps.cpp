@@ -131,7 +131,7 @@ void exportRecorded(const LammpsExportOptions& options) {
     }
   }
   status.clear();
-  const SceneFile& scene = replay.scenario();
+  const SceneFile& scene = replay.sceneFile();
   write(options, scene, replay.loop().shownScene().scene.bed(),
         {.dt_s = stepOf(scene, true), .tool = &scene.tool, .path = path});
 }

@@ -29,9 +29,9 @@ struct DeviceOptions {
   void applyTo(DeviceParameters& device) const;
 };
 
-/// Which scene, as the command line says it; everything else comes from the scenario.
+/// Which scene, as the command line says it; everything else comes from the scene file.
 struct SceneOptions {
-  std::string scenario_file;
+  std::string name_or_file;
   std::string usual = "regolith";      ///< what opens when no scene is named
   std::vector<std::string> overrides;  ///< keys of the scene file, each "table.key=value"
   std::optional<std::string> preset, soil, body, poses_file;

@@ -53,12 +53,12 @@ class Replay {
   /// @param go_on  called after each tick with its record and the replayed one; false ends it.
   [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on);
 
-  [[nodiscard]] const SceneFile& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const SceneFile& sceneFile() const noexcept { return scene_file_; }
   [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
 
  private:
   const RecordingReader& recording_;
-  SceneFile scenario_;
+  SceneFile scene_file_;
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<ReplayDevice> device_;
   std::unique_ptr<HapticLoop> loop_;

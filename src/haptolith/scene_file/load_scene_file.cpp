@@ -283,20 +283,20 @@ SceneFile sceneFileFromText(std::string_view text, std::string_view name, std::s
       overrides);
 }
 
-SceneFile changed(const SceneFile& scenario, std::span<const std::string> overrides) {
+SceneFile changed(const SceneFile& scene_file, std::span<const std::string> overrides) {
   const TomlReader reader(overrides, kScene);
-  SceneFile scene = read(reader, From::kFile, scenario);
+  SceneFile scene = read(reader, From::kFile, scene_file);
   const bool other_soil = reader.has("soil", "preset") || reader.has("soil", "name") || reader.has("soil", "file");
   if (other_soil && !reader.has("soil", "radius_mm")) {  // the grains that are there
-    scene.bed.soil = rescaled(scene.bed.soil, scenario.bed.soil.radius_m);
-    scene.bed.start = scenario.bed.start;
+    scene.bed.soil = rescaled(scene.bed.soil, scene_file.bed.soil.radius_m);
+    scene.bed.start = scene_file.bed.start;
     makeToolMesh(scene);
   }
   if (reader.has("soil", "preset")) {
     scene.soil_name.clear();
   }
   if (!reader.has("", "title")) {
-    retitle(scene, sceneInWords(scenario));
+    retitle(scene, sceneInWords(scene_file));
   }
   return scene;
 }

@@ -16,114 +16,115 @@ namespace haptolith {
 
 namespace {
 
-std::string soilInWords(const SceneFile& scenario) {
-  const std::string& named = scenario.preset.empty() ? scenario.soil_name : scenario.preset;
+std::string soilInWords(const SceneFile& scene_file) {
+  const std::string& named = scene_file.preset.empty() ? scene_file.soil_name : scene_file.preset;
   return named.empty() ? "own soil" : named + " soil";
 }
 
-std::string toolInWords(const SceneFile& scenario) {
-  switch (scenario.tool.shape) {
+std::string toolInWords(const SceneFile& scene_file) {
+  switch (scene_file.tool.shape) {
     case ToolShape::kBox: return "shovel";
     case ToolShape::kCone: return "cone";
     case ToolShape::kTube: return "tube";
-    case ToolShape::kMesh: return scenario.mesh.name.empty() ? "mesh" : scenario.mesh.name;
+    case ToolShape::kMesh: return scene_file.mesh.name.empty() ? "mesh" : scene_file.mesh.name;
     case ToolShape::kSphere:
     case ToolShape::kPlate:
     case ToolShape::kCylinder:
     case ToolShape::kJaws: break;
   }
-  return std::string(wordFor(kToolShapeWords, scenario.tool.shape));
+  return std::string(wordFor(kToolShapeWords, scene_file.tool.shape));
 }
 
 }  // namespace
 
-HandlingParameters handlingOf(const SceneFile& scenario, double surface_m) {
-  HandlingParameters handling = handlingOfOwnDevice(scenario, surface_m);
-  if (scenario.device.kind == DeviceKind::kVirtualHand) {
+HandlingParameters handlingOf(const SceneFile& scene_file, double surface_m) {
+  HandlingParameters handling = handlingOfOwnDevice(scene_file, surface_m);
+  if (scene_file.device.kind == DeviceKind::kVirtualHand) {
     handling.mapping = {};
   }
   return handling;
 }
 
-HandlingParameters handlingOfOwnDevice(const SceneFile& scenario, double surface_m) {
-  HandlingParameters handling = scenario.handling;
+HandlingParameters handlingOfOwnDevice(const SceneFile& scene_file, double surface_m) {
+  HandlingParameters handling = scene_file.handling;
   handling.mapping.offset_m.z() += surface_m;
   return handling;
 }
 
-void setSoil(SceneFile& scenario, const SoilFile& soil) {
-  scenario.preset.clear();
-  scenario.soil_name = soil.name;
-  scenario.bed.soil = soil.soil;
-  if (soil.soil.friction == FrictionModel::kContact && scenario.bed.start == BedStart::kCount) {
-    scenario.bed.start = BedStart::kRain;  // a lattice is a crystal, with planes it slips on: not what was calibrated
+void setSoil(SceneFile& scene_file, const SoilFile& soil) {
+  scene_file.preset.clear();
+  scene_file.soil_name = soil.name;
+  scene_file.bed.soil = soil.soil;
+  if (soil.soil.friction == FrictionModel::kContact && scene_file.bed.start == BedStart::kCount) {
+    scene_file.bed.start = BedStart::kRain;  // a lattice is a crystal, with planes it slips on: not what was calibrated
   }
 }
 
-std::string sceneInWords(const SceneFile& scenario) {
-  std::string words =
-      fmt::format("{}, {}, R = {:.3g} mm", soilInWords(scenario),
-                  scenario.body.empty() ? fmt::format("{:.3g} m/s2", scenario.bed.gravity_m_s2.norm()) : scenario.body,
-                  1e3 * scenario.bed.soil.radius_m);
-  words += scenario.bed.stones.any() ? ", stones" : "";
-  words += ", " + toolInWords(scenario);
-  if (scenario.device.kind == DeviceKind::kVirtualHand && scenario.hand.manoeuvre != Manoeuvre::kStill) {
-    words += fmt::format(", {}", wordFor(kManoeuvreWords, scenario.hand.manoeuvre));
+std::string sceneInWords(const SceneFile& scene_file) {
+  std::string words = fmt::format(
+      "{}, {}, R = {:.3g} mm", soilInWords(scene_file),
+      scene_file.body.empty() ? fmt::format("{:.3g} m/s2", scene_file.bed.gravity_m_s2.norm()) : scene_file.body,
+      1e3 * scene_file.bed.soil.radius_m);
+  words += scene_file.bed.stones.any() ? ", stones" : "";
+  words += ", " + toolInWords(scene_file);
+  if (scene_file.device.kind == DeviceKind::kVirtualHand && scene_file.hand.manoeuvre != Manoeuvre::kStill) {
+    words += fmt::format(", {}", wordFor(kManoeuvreWords, scene_file.hand.manoeuvre));
   }
   return words;
 }
 
-void retitle(SceneFile& scenario, std::string_view before) {
-  const std::string now = sceneInWords(scenario);
+void retitle(SceneFile& scene_file, std::string_view before) {
+  const std::string now = sceneInWords(scene_file);
   if (now != before && now.size() <= mostBytes(TextSize::kLine)) {
-    scenario.title = now;
+    scene_file.title = now;
   }
 }
 
-void changePreset(SceneFile& scenario, std::string_view name) {
+void changePreset(SceneFile& scene_file, std::string_view name) {
   const Preset& preset = findPreset(name);
-  const std::string before = sceneInWords(scenario);
-  scenario.bed.soil = rescaled(preset.soil, scenario.bed.soil.radius_m);
-  scenario.preset = preset.name;
-  scenario.soil_name.clear();
-  retitle(scenario, before);
+  const std::string before = sceneInWords(scene_file);
+  scene_file.bed.soil = rescaled(preset.soil, scene_file.bed.soil.radius_m);
+  scene_file.preset = preset.name;
+  scene_file.soil_name.clear();
+  retitle(scene_file, before);
 }
 
-void changeSoil(SceneFile& scenario, std::string_view name_or_file) {
+void changeSoil(SceneFile& scene_file, std::string_view name_or_file) {
   SoilFile file = findSoil(name_or_file);
-  file.soil = rescaled(file.soil, scenario.bed.soil.radius_m);
-  const std::string before = sceneInWords(scenario);
-  setSoil(scenario, file);
-  retitle(scenario, before);
+  file.soil = rescaled(file.soil, scene_file.bed.soil.radius_m);
+  const std::string before = sceneInWords(scene_file);
+  setSoil(scene_file, file);
+  retitle(scene_file, before);
 }
 
-void changeBody(SceneFile& scenario, std::string_view name) {
+void changeBody(SceneFile& scene_file, std::string_view name) {
   const Body& body = findBody(name);
-  const std::string before = sceneInWords(scenario);
-  const double before_m_s2 = scenario.bed.gravity_m_s2.norm();
-  const Vec3 direction = before_m_s2 > 0 ? Vec3(scenario.bed.gravity_m_s2 / before_m_s2) : Vec3(-Vec3::UnitZ());
-  scenario.bed.gravity_m_s2 = body.gravity_m_s2 * direction;
-  scenario.body = body.name;
-  retitle(scenario, before);
+  const std::string before = sceneInWords(scene_file);
+  const double before_m_s2 = scene_file.bed.gravity_m_s2.norm();
+  const Vec3 direction = before_m_s2 > 0 ? Vec3(scene_file.bed.gravity_m_s2 / before_m_s2) : Vec3(-Vec3::UnitZ());
+  scene_file.bed.gravity_m_s2 = body.gravity_m_s2 * direction;
+  scene_file.body = body.name;
+  retitle(scene_file, before);
 }
 
-void makeToolMesh(SceneFile& scenario) {
-  const StonesParameters& stones = scenario.bed.stones;
-  if (scenario.mesh.bytes != nullptr && largestSphere(stones) > kMostMeshReach_m) {
+void makeToolMesh(SceneFile& scene_file) {
+  const StonesParameters& stones = scene_file.bed.stones;
+  if (scene_file.mesh.bytes != nullptr && largestSphere(stones) > kMostMeshReach_m) {
     throw InvalidParameter("stones", fmt::format("of spheres up to {:g} mm across", 2e3 * largestSphere(stones)),
                            fmt::format("at most {:g} mm where the tool is a mesh", 2e3 * kMostMeshReach_m));
   }
-  scenario.tool.mesh =
-      scenario.mesh.bytes == nullptr ? nullptr : toolMesh(scenario.mesh, contactReach(scenario.tool, scenario.bed));
+  scene_file.tool.mesh = scene_file.mesh.bytes == nullptr
+                             ? nullptr
+                             : toolMesh(scene_file.mesh, contactReach(scene_file.tool, scene_file.bed));
 }
 
 /// On the inside of a shell a grain larger than its curve would touch it in two places, of which contact knows one.
-void requireRoomInJaws(const SceneFile& scenario) {
-  const ToolParameters& tool = scenario.tool;
+void requireRoomInJaws(const SceneFile& scene_file) {
+  const ToolParameters& tool = scene_file.tool;
   if (tool.shape != ToolShape::kJaws || tool.jaw_bend_rad == 0) {
     return;
   }
-  const SoilParameters& soil = scenario.bed.soil;
+  const SoilParameters& soil = scene_file.bed.soil;
   const double grain_m = soil.radius_m * (1 + soil.size_spread);
   const double inside_m = tool.size_m.x() / tool.jaw_bend_rad - tool.size_m.z() / 2;
   if (inside_m <= grain_m) {
@@ -137,8 +138,8 @@ void requireRoomInJaws(const SceneFile& scenario) {
 namespace {
 
 /// Radius of particles one step coarser, in m; none where canBeCoarser() is false.
-std::optional<double> coarserRadiusFor(SceneFile scenario) {
-  BedParameters& bed = scenario.bed;
+std::optional<double> coarserRadiusFor(SceneFile scene_file) {
+  BedParameters& bed = scene_file.bed;
   if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
     return std::nullopt;
   }
@@ -146,7 +147,7 @@ std::optional<double> coarserRadiusFor(SceneFile scenario) {
   if (radius_m) {
     try {
       bed.soil = rescaled(bed.soil, *radius_m);
-      validate(scenario);
+      validate(scene_file);
     } catch (const InvalidParameter&) {  // larger than the box, the jaws
       return std::nullopt;
     }
@@ -156,36 +157,36 @@ std::optional<double> coarserRadiusFor(SceneFile scenario) {
 
 }  // namespace
 
-bool canBeCoarser(const SceneFile& scenario) {
-  return coarserRadiusFor(scenario).has_value();
+bool canBeCoarser(const SceneFile& scene_file) {
+  return coarserRadiusFor(scene_file).has_value();
 }
 
-void makeCoarser(SceneFile& scenario) {
-  const std::optional<double> radius_m = coarserRadiusFor(scenario);
+void makeCoarser(SceneFile& scene_file) {
+  const std::optional<double> radius_m = coarserRadiusFor(scene_file);
   if (!radius_m) {
-    throw InvalidParameter("coarser", fmt::format("than {:g} mm", inUnits(scenario.bed.soil.radius_m, 1e-3)),
+    throw InvalidParameter("coarser", fmt::format("than {:g} mm", inUnits(scene_file.bed.soil.radius_m, 1e-3)),
                            fmt::format("asked for where the bed starts as settled, with particles of one size below "
                                        "{:g} mm that leave room in the box",
                                        inUnits(kGrainRadii_m.front(), 1e-3)));
   }
-  scenario.bed.soil = rescaled(scenario.bed.soil, *radius_m);
-  makeToolMesh(scenario);
+  scene_file.bed.soil = rescaled(scene_file.bed.soil, *radius_m);
+  makeToolMesh(scene_file);
 }
 
-void validate(const SceneFile& scenario) {
-  validate(scenario.bed);
-  validate(scenario.mesh);
-  validate(scenario.tool);
-  validate(scenario.hand);
-  validate(scenario.loop);
-  validate(scenario.device);
-  validate(scenario.handling.mapping);
-  validate(scenario.handling.coupling, scenario.loop.tick_s);
-  validate(scenario.handling.safety);
-  requireRoomInJaws(scenario);
-  if (scenario.bed.tick_s != scenario.loop.tick_s) {
-    throw InvalidParameter("tick_s", fmt::format("{}", scenario.loop.tick_s),
-                           fmt::format("the bed's {}", scenario.bed.tick_s));
+void validate(const SceneFile& scene_file) {
+  validate(scene_file.bed);
+  validate(scene_file.mesh);
+  validate(scene_file.tool);
+  validate(scene_file.hand);
+  validate(scene_file.loop);
+  validate(scene_file.device);
+  validate(scene_file.handling.mapping);
+  validate(scene_file.handling.coupling, scene_file.loop.tick_s);
+  validate(scene_file.handling.safety);
+  requireRoomInJaws(scene_file);
+  if (scene_file.bed.tick_s != scene_file.loop.tick_s) {
+    throw InvalidParameter("tick_s", fmt::format("{}", scene_file.loop.tick_s),
+                           fmt::format("the bed's {}", scene_file.bed.tick_s));
   }
 }
 

@@ -57,7 +57,7 @@ struct SceneFile {
 
 /// The scene with some of its keys changed; soil that it is given by name or preset keeps the size of its grains unless
 /// soil.radius_mm says otherwise. @throws InvalidParameter as loadSceneFile().
-[[nodiscard]] SceneFile changed(const SceneFile& scenario, std::span<const std::string> overrides);
+[[nodiscard]] SceneFile changed(const SceneFile& scene_file, std::span<const std::string> overrides);
 
 /// The built-in scenes: the files in scenes/.
 [[nodiscard]] std::vector<std::string> sceneNames();
@@ -78,51 +78,51 @@ struct SceneFile {
 /// @throws InvalidParameter for a scene that no file can hold: a value out of its key's range, one of those that only
 /// the laboratory sets (a periodic box, another tick), a length that is not a number of mm, a file of poses that has
 /// gone.
-[[nodiscard]] std::string sceneFileText(const SceneFile& scenario);
+[[nodiscard]] std::string sceneFileText(const SceneFile& scene_file);
 
 /// The same as a file for people, of a scene whose grains are in a CSV file beside it (given_grains.h), whatever they
 /// were made of before.
-[[nodiscard]] std::string sceneFileTextWithGrains(SceneFile scenario, std::string_view grains_file);
+[[nodiscard]] std::string sceneFileTextWithGrains(SceneFile scene_file, std::string_view grains_file);
 
 /// How hand and tool are joined above soil whose surface is so high: the virtual hand's frame is the scene's, another
 /// device's workspace lies above the surface.
-[[nodiscard]] HandlingParameters handlingOf(const SceneFile& scenario, double surface_m);
+[[nodiscard]] HandlingParameters handlingOf(const SceneFile& scene_file, double surface_m);
 
 /// The same for a device of the caller's, whichever the scene names.
-[[nodiscard]] HandlingParameters handlingOfOwnDevice(const SceneFile& scenario, double surface_m);
+[[nodiscard]] HandlingParameters handlingOfOwnDevice(const SceneFile& scene_file, double surface_m);
 
 /// Puts a named soil into the scene, its macroparticles as large as its file has them.
-void setSoil(SceneFile& scenario, const SoilFile& soil);
+void setSoil(SceneFile& scene_file, const SoilFile& soil);
 
 /// Puts a preset or a soil with a name (or in a file) into the scene, its macroparticles as large as the scene's were.
 /// @throws InvalidParameter, Failure: as findPreset() and findSoil().
-void changePreset(SceneFile& scenario, std::string_view name);
-void changeSoil(SceneFile& scenario, std::string_view name_or_file);
+void changePreset(SceneFile& scene_file, std::string_view name);
+void changeSoil(SceneFile& scene_file, std::string_view name_or_file);
 
 /// Takes the scene to another world; gravity keeps its direction. @throws InvalidParameter as findBody().
-void changeBody(SceneFile& scenario, std::string_view name);
+void changeBody(SceneFile& scene_file, std::string_view name);
 
 /// Soil, world, size of grains, tool and motion: "surveyor-3 soil, Mars, R = 3.5 mm, shovel, scoop".
-[[nodiscard]] std::string sceneInWords(const SceneFile& scenario);
+[[nodiscard]] std::string sceneInWords(const SceneFile& scene_file);
 
 /// Replaces the title by sceneInWords() where that differs from `before`, sceneInWords() before a change: the title may
 /// name what has changed. changePreset(), changeSoil() and changeBody() have done it.
-void retitle(SceneFile& scenario, std::string_view before);
+void retitle(SceneFile& scene_file, std::string_view before);
 
 /// Whether makeCoarser() has coarser particles for the scene: its bed starts as settled, with particles of one size,
 /// and its box has room for larger ones.
-[[nodiscard]] bool canBeCoarser(const SceneFile& scenario);
+[[nodiscard]] bool canBeCoarser(const SceneFile& scene_file);
 
 /// Gives the scene particles that are one step coarser (coarserRadius()). @throws InvalidParameter unless
 /// canBeCoarser(); as makeToolMesh().
-void makeCoarser(SceneFile& scenario);
+void makeCoarser(SceneFile& scene_file);
 
 /// Makes the tool's mesh of what the scene says of it, for its soil; to be called whenever either has changed.
 /// @throws InvalidParameter, Failure: as toolMesh().
-void makeToolMesh(SceneFile& scenario);
+void makeToolMesh(SceneFile& scene_file);
 
 /// Checks what no single key can tell: for example that the bed, the tool and the hand fit into one scene.
 /// @throws InvalidParameter.
-void validate(const SceneFile& scenario);
+void validate(const SceneFile& scene_file);
 
 }  // namespace haptolith

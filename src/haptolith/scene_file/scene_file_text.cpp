@@ -49,18 +49,18 @@ SceneFile readBack(SceneFile scene) {
 
 }  // namespace
 
-std::string sceneFileTextWithGrains(SceneFile scenario, std::string_view grains_file) {
-  scenario.bed.start = BedStart::kGiven;
-  scenario.bed.given = {};
-  scenario.bed.grading = {};
-  return textOf(scenario, grains_file);
+std::string sceneFileTextWithGrains(SceneFile scene_file, std::string_view grains_file) {
+  scene_file.bed.start = BedStart::kGiven;
+  scene_file.bed.given = {};
+  scene_file.bed.grading = {};
+  return textOf(scene_file, grains_file);
 }
 
-std::string sceneFileText(const SceneFile& scenario) {
-  std::string text = textOf(scenario);
-  if (!(loadSceneFileText(text, "the scene as text") == readBack(scenario))) {
+std::string sceneFileText(const SceneFile& scene_file) {
+  std::string text = textOf(scene_file);
+  if (!(loadSceneFileText(text, "the scene as text") == readBack(scene_file))) {
     throw InvalidParameter(
-        "scenario", fmt::format("'{}'", scenario.title),
+        "scenario", fmt::format("'{}'", scene_file.title),
         "one that a scene file can hold: with a title, lengths in mm, walls on all sides, and the tick "
         "and the parts of the tool that no key changes as they are by default");
   }

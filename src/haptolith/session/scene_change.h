@@ -41,6 +41,6 @@ void requireFitting(const MeshCorners& mesh, const std::string& name, const Rang
 
 /// The scene with the change made. @throws InvalidParameter naming what cannot be; Failure when a soil file cannot be
 /// read.
-[[nodiscard]] SceneFile changed(SceneFile scenario, const SceneChange& change);
+[[nodiscard]] SceneFile changed(SceneFile scene_file, const SceneChange& change);
 
 }  // namespace haptolith

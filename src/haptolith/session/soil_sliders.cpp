@@ -67,13 +67,13 @@ SoilParameters withContactsOf(SoilParameters soil, const SoilParameters& other) 
   return soil;
 }
 
-std::optional<CalibratedStrength> calibrationOf(const SceneFile& scenario) {
-  const SoilParameters& soil = scenario.bed.soil;
-  if (scenario.soil_name.empty() || soil.friction != FrictionModel::kContact) {
+std::optional<CalibratedStrength> calibrationOf(const SceneFile& scene_file) {
+  const SoilParameters& soil = scene_file.bed.soil;
+  if (scene_file.soil_name.empty() || soil.friction != FrictionModel::kContact) {
     return std::nullopt;
   }
   try {
-    const SoilFile file = findSoil(scenario.soil_name);
+    const SoilFile file = findSoil(scene_file.soil_name);
     const SoilParameters calibrated = rescaled(file.soil, soil.radius_m);
     return withContactsOf(calibrated, soil) == soil ? std::optional(CalibratedStrength(calibrated, file.target))
                                                     : std::nullopt;
