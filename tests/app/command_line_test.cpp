@@ -189,6 +189,13 @@ TEST(Run, BuiltInScenesHaveNamesEverywhere) {
   EXPECT_THAT(runHaptolith("run sandbx").errors, HasSubstr("did you mean sandbox?"));
 }
 
+TEST(Run, AnOldPathOfAShippedSceneStillRuns) {
+  const ProgramResult result =
+      runHaptolith(fmt::format("run '{}/scenarios/rain.toml' --unpaced --duration-s 0.05", sourceDir().string()));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("scenes/rain.toml"));
+}
+
 TEST(Run, AKeyWithoutEffectIsAWarning) {
   const std::string path = testing::TempDir() + "haptolith_idle_key.toml";
   std::ofstream(path) << "[soil]\npreset = 'P3'\ncontact_friction = 0.4\n";

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "haptolith/core/files/input_file.h"
+#include "haptolith/core/files/moved_file.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/core/plain_text.h"
 
@@ -73,7 +74,7 @@ std::string dotted(const KeyName& key) {
 
 // --- the file ---
 
-TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(path), kind_(kind) {
+TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(currentPath(path)), kind_(kind) {
   table_ = std::make_shared<toml::table>(parse(readText()));
 }
 
@@ -409,7 +410,7 @@ std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
 /// Looked for beside the file, wherever the program was started.
 fs::path TomlReader::besideFile(const Place& place) const {
   const fs::path folder = isOverride(place.node) ? fs::path() : path_.parent_path();
-  fs::path path = folder / text(place, TextSize::kPath);
+  fs::path path = currentPath(folder / text(place, TextSize::kPath));
   std::error_code ignored;  // such as a name that is too long for any file
   if (!fs::is_regular_file(path, ignored)) {
     throw TomlError(located(place.node, fmt::format("{} = {}: no such file", fullName(place.key), path.string())),
