@@ -1,4 +1,4 @@
-# cmake -DFOLDER=scenarios/tiles -DOUTPUT=ready_tile_files.cpp -P EmbedTiles.cmake
+# cmake -DFOLDER=scenes/tiles -DOUTPUT=ready_tile_files.cpp -P EmbedTiles.cmake
 # Makes one source of the settled soil that ships with the program, as EmbedWeb.cmake does of the page.
 file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/*.tile)
 list(SORT files)
@@ -29,7 +29,7 @@ extern \"C\" __attribute__((visibility(\"hidden\"))) const char haptolith_tile_$
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE ${OUTPUT}
-"// Made of scenarios/tiles by cmake/EmbedTiles.cmake.
+"// Made of scenes/tiles by cmake/EmbedTiles.cmake.
 #include \"haptolith/bed/start/ready_tile.h\"
 
 #include <cstddef>

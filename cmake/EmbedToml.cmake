@@ -1,4 +1,4 @@
-# cmake -DFILES=a.toml,b.toml -DHEADER=haptolith/scenario/built_in_soils.h -DTYPE=BuiltInSoil -DFUNCTION=builtInSoils
+# cmake -DFILES=a.toml,b.toml -DHEADER=haptolith/scene_file/built_in_soils.h -DTYPE=BuiltInSoil -DFUNCTION=builtInSoils
 #       -DOUTPUT=built_in_soils.cpp -P EmbedToml.cmake
 # Makes one source of TOML files, scripts or drawings, so that the program knows them wherever it is started.
 string(REPLACE "," ";" files "${FILES}")

@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (message.command && std::holds_alternative<command::Change>(*message.command)) {
     try {
-      validate(changed(Scenario{}, std::get<command::Change>(*message.command).change));
+      validate(changed(SceneFile{}, std::get<command::Change>(*message.command).change));
     } catch (const InvalidParameter&) {  // as it should
     } catch (const Failure&) {
     }

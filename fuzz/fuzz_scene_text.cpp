@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 using namespace haptolith;
 
@@ -16,8 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t line = text.find('\n');
   const std::vector<std::string> overrides{std::string(text.substr(0, line))};
   try {
-    const Scenario scene =
-        scenarioFromText(line == std::string_view::npos ? "" : text.substr(line + 1), "scene", overrides);
+    const SceneFile scene =
+        sceneFileFromText(line == std::string_view::npos ? "" : text.substr(line + 1), "scene", overrides);
     (void)changed(scene, overrides);
   } catch (const InvalidParameter&) {
   } catch (const Failure&) {

@@ -43,10 +43,10 @@ const std::map<std::string, Folders> kArrows = {
     {"haptics", {"bed", "device/hand"}},
     {"haptics/safety", {"haptics"}},
     {"haptics/loop", {"haptics/safety", "scene"}},
-    {"scenario/toml", {"core/files"}},
-    {"scenario", {"scenario/toml", "haptics/loop"}},
-    {"machine", {"scenario"}},
-    {"recording", {"scenario"}},
+    {"scene_file/toml", {"core/files"}},
+    {"scene_file", {"scene_file/toml", "haptics/loop"}},
+    {"machine", {"scene_file"}},
+    {"recording", {"scene_file"}},
     // A virtual laboratory has no hand in it.
     {"lab", {"soil"}},
     {"lab/theory", {"tool"}},
@@ -76,7 +76,7 @@ const std::map<std::string, Folders> kArrows = {
     {"identify/check", {"identify"}},
     // Far away: what goes between two sites, and both sides of it.
     {"teleop/link", {"bed", "device/drivers"}},
-    {"teleop/robot", {"teleop/link", "scenario"}},
+    {"teleop/robot", {"teleop/link", "scene_file"}},
     {"teleop/operator", {"teleop/robot", "identify"}},
     {"teleop/bench", {"teleop/operator"}},
     // A robot network of others, and robots at its other side.

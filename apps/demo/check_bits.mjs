@@ -1,4 +1,4 @@
-// Whether the soil in a browser still has its bits, as tests/scenario/golden_test.cpp asks of the program:
+// Whether the soil in a browser still has its bits, as tests/scene_file/golden_test.cpp asks of the program:
 //
 //     node check_bits.mjs FOLDER            with soil.js and soil.wasm in it
 //

@@ -25,7 +25,7 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/machine/finest_grain.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
 
@@ -56,9 +56,9 @@ constexpr auto kBeforeMaking = 300ms;
 
 class Demo {
  public:
-  Demo(Scenario base, Scenario scenario)
+  Demo(SceneFile base, SceneFile scene_file)
       : base_(std::move(base)),
-        session_(unpaced(std::move(scenario)), false,
+        session_(unpaced(std::move(scene_file)), false,
                  [](double settled_s, double) {
                    tellSettling(settled_s);
                    return true;
@@ -84,14 +84,14 @@ class Demo {
   }
 
  private:
-  static Scenario unpaced(Scenario scenario) {
-    scenario.loop.paced = false;  // by the worker instead
-    scenario.bed.threads = 1;
-    return scenario;
+  static SceneFile unpaced(SceneFile scene_file) {
+    scene_file.loop.paced = false;  // by the worker instead
+    scene_file.bed.threads = 1;
+    return scene_file;
   }
 
   void tickUntil(Clock::time_point until) {
-    const double tick_s = session_.scenario().loop.tick_s;
+    const double tick_s = session_.sceneFile().loop.tick_s;
     for (; behind_s_ >= tick_s && end_ == LoopEnd::kRunning; behind_s_ -= tick_s) {
       end_ = session_.loop().tick();
       if (Clock::now() >= until) {
@@ -112,7 +112,7 @@ class Demo {
     return session_.busy().empty() || now - idle_at_ > kBeforeMaking;
   }
 
-  Scenario base_;
+  SceneFile base_;
   Session session_;
   LiveView view_;
   LoopEnd end_ = LoopEnd::kRunning;
@@ -125,13 +125,13 @@ std::unique_ptr<Demo> demo;
 std::string told;
 
 /// The same as the golden test's of the program: each force that the hand was given, and the soil at the end.
-std::string outcomeOf(Scenario scenario, int ticks) {
-  scenario.loop.paced = false;
-  Scene scene(scenario.bed, scenario.tool);
+std::string outcomeOf(SceneFile scene_file, int ticks) {
+  scene_file.loop.paced = false;
+  Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
-  scenario.hand.surface_m = surface_m;
-  VirtualHand hand(scenario.hand, scenario.bed.tick_s);
-  HapticLoop loop(scene, hand, scenario.loop, true, handlingOf(scenario, surface_m));
+  scene_file.hand.surface_m = surface_m;
+  VirtualHand hand(scene_file.hand, scene_file.bed.tick_s);
+  HapticLoop loop(scene, hand, scene_file.loop, true, handlingOf(scene_file, surface_m));
   std::vector<TickRecord> records;
   std::uint64_t hash = 0;
   const auto fold = [&hash](const void* data, std::size_t bytes) { hash = XXH3_64bits_withSeed(data, bytes, hash); };
@@ -154,9 +154,9 @@ std::string outcomeOf(Scenario scenario, int ticks) {
 }
 
 /// The soil in each tick of a cut whose way asks nothing of the C library, so that it is the same on every machine, as
-/// tests/scenario/golden_test.cpp has it.
-std::string outcomeOfCut(const Scenario& scenario, int ticks) {
-  Scene scene(scenario.bed, scenario.tool);
+/// tests/scene_file/golden_test.cpp has it.
+std::string outcomeOfCut(const SceneFile& scene_file, int ticks) {
+  Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
   std::uint64_t hash = 0;
   for (int tick = 0; tick <= ticks; ++tick) {
@@ -201,25 +201,25 @@ const std::vector<DemoScene>& demoScenes() {
 }
 
 /// The finest particles that this browser's worker steps in time, measured once.
-Scenario fitted(Scenario scenario) {
+SceneFile fitted(SceneFile scene_file) {
   static const double radius_m = [&] {
     constexpr std::array kOneThread{1};
     const std::atomic<bool> never{false};
-    return finestGrain(scenario.bed, scenario.tool, {.paced = false}, kOneThread, never).chosen.radius_m;
+    return finestGrain(scene_file.bed, scene_file.tool, {.paced = false}, kOneThread, never).chosen.radius_m;
   }();
-  scenario.bed.soil = rescaled(scenario.bed.soil, radius_m);
-  return scenario;
+  scene_file.bed.soil = rescaled(scene_file.bed.soil, radius_m);
+  return scene_file;
 }
 
-Scenario sceneNamed(std::string_view name) {
+SceneFile sceneNamed(std::string_view name) {
   const auto scene = std::ranges::find(demoScenes(), name, &DemoScene::name);
   const std::string_view of = scene == demoScenes().end() ? name : scene->of;
-  return of == "auto" ? fitted(findScenario(of)) : findScenario(of);
+  return of == "auto" ? fitted(findSceneFile(of)) : findSceneFile(of);
 }
 
 /// @param changes  "table.key=value" in a line each: what overridesOf() gave somebody else.
-Scenario sceneOf(std::string_view name, std::string_view changes) {
-  Scenario scenario = sceneNamed(name);
+SceneFile sceneOf(std::string_view name, std::string_view changes) {
+  SceneFile scene_file = sceneNamed(name);
   std::vector<std::string> overrides;
   while (!changes.empty()) {
     const std::size_t end = std::min(changes.find('\n'), changes.size());
@@ -227,14 +227,14 @@ Scenario sceneOf(std::string_view name, std::string_view changes) {
     changes.remove_prefix(std::min(end + 1, changes.size()));
   }
   // By its numbers, so that what is changed does not contradict a name.
-  return overrides.empty() ? scenario : scenarioFromText(scenarioText(scenario), "this address", overrides);
+  return overrides.empty() ? scene_file : sceneFileFromText(sceneFileText(scene_file), "this address", overrides);
 }
 
 /// The lines of a scene's text, each as "table.key=value".
-std::vector<std::string> settingsOf(const Scenario& scenario) {
+std::vector<std::string> settingsOf(const SceneFile& scene_file) {
   std::vector<std::string> settings;
   std::string table;
-  std::istringstream text(scenarioText(scenario));
+  std::istringstream text(sceneFileText(scene_file));
   for (std::string line; std::getline(text, line);) {
     const std::size_t equals = line.find(" = ");
     if (line.starts_with('[')) {
@@ -247,7 +247,7 @@ std::vector<std::string> settingsOf(const Scenario& scenario) {
 }
 
 /// What makes `now` of `base`: what fits into an address, which grains and drawings do not.
-std::string overridesOf(const Scenario& base, const Scenario& now) {
+std::string overridesOf(const SceneFile& base, const SceneFile& now) {
   constexpr std::size_t kLongest = 200;
   const std::vector<std::string> before = settingsOf(base);
   std::string changes;
@@ -260,7 +260,7 @@ std::string overridesOf(const Scenario& base, const Scenario& now) {
 }
 
 std::string Demo::changes() const {
-  Scenario now = session_.scenario();
+  SceneFile now = session_.sceneFile();
   now.loop = base_.loop;  // the worker's own
   now.bed.threads = base_.bed.threads;
   now.hand.surface_m = base_.hand.surface_m;
@@ -281,7 +281,7 @@ extern "C" {
 EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const auto& scene : haptolith::demo::demoScenes()) {
-    list.push_back({{"name", scene.name}, {"title", haptolith::findScenario(scene.of).title}});
+    list.push_back({{"name", scene.name}, {"title", haptolith::findSceneFile(scene.of).title}});
   }
   haptolith::demo::told = list.dump();
   return haptolith::demo::told.c_str();
@@ -292,8 +292,8 @@ EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
 EMSCRIPTEN_KEEPALIVE const char* demoTile(const char* scene, const char* changes) {
   std::string name;
   const char* failed = haptolith::demo::tell([&] {
-    const haptolith::Scenario scenario = haptolith::demo::sceneOf(scene, changes);
-    const haptolith::BedParameters& bed = scenario.bed;
+    const haptolith::SceneFile scene_file = haptolith::demo::sceneOf(scene, changes);
+    const haptolith::BedParameters& bed = scene_file.bed;
     name = bed.start != haptolith::BedStart::kSettled ? ""
            : bed.ready_made                           ? haptolith::readyTileName(bed)
                                                       : haptolith::tileFileName(bed);
@@ -307,10 +307,10 @@ EMSCRIPTEN_KEEPALIVE const char* demoOpen(const char* scene, const char* changes
   return haptolith::demo::tell([&] {
     haptolith::useTileCache("/tiles");
     page().post = [](const std::string& bytes, bool binary) { postToPage(bytes.data(), bytes.size(), binary ? 1 : 0); };
-    haptolith::Scenario scenario = haptolith::demo::sceneOf(scene, changes);
+    haptolith::SceneFile scene_file = haptolith::demo::sceneOf(scene, changes);
     haptolith::demo::demo.reset();
     haptolith::demo::demo =
-        std::make_unique<haptolith::demo::Demo>(haptolith::demo::sceneNamed(scene), std::move(scenario));
+        std::make_unique<haptolith::demo::Demo>(haptolith::demo::sceneNamed(scene), std::move(scene_file));
     page().come();
   });
 }
@@ -340,13 +340,13 @@ EMSCRIPTEN_KEEPALIVE double demoTakeFile(const char* bytes, std::size_t size) {
   return page().brought(std::string(bytes, size));
 }
 
-/// The hash that tests/scenario/golden_test.cpp would have of a scene's text after so many ticks, and how long one took
-/// in us; with `cut` that of its straight cut. Or why there is none.
+/// The hash that tests/scene_file/golden_test.cpp would have of a scene's text after so many ticks, and how long one
+/// took in us; with `cut` that of its straight cut. Or why there is none.
 EMSCRIPTEN_KEEPALIVE const char* demoOutcome(const char* scene, int ticks, bool cut) {
   std::string outcome;
   const char* failed = haptolith::demo::tell([&] {
-    const haptolith::Scenario scenario = haptolith::loadScenarioText(scene, "scene");
-    outcome = cut ? haptolith::demo::outcomeOfCut(scenario, ticks) : haptolith::demo::outcomeOf(scenario, ticks);
+    const haptolith::SceneFile scene_file = haptolith::loadSceneFileText(scene, "scene");
+    outcome = cut ? haptolith::demo::outcomeOfCut(scene_file, ticks) : haptolith::demo::outcomeOf(scene_file, ticks);
   });
   if (*failed == '\0') {
     haptolith::demo::told = outcome;

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/study/protocol/protocol.h"

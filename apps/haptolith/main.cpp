@@ -14,6 +14,7 @@
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/moved_file.h"
 #include "haptolith/core/plain_text.h"
 
 #include "commands.h"
@@ -31,7 +32,7 @@ enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 constexpr const char* kProgramExamples = R"(Examples:
   haptolith run                          soil of the Moon, felt by a virtual hand
   haptolith run paper                    the paper's scene
-  haptolith run scenarios/rain.toml      one from a file (docs/scenarios.md)
+  haptolith run scenes/rain.toml         one from a file (docs/scenes.md)
   haptolith snapshot --out view.png      a picture of a run, without a screen
   haptolith soil profile --preset P3     density and strength over depth
   haptolith lab shear --soil dry-sand    what a soil laboratory would measure
@@ -119,7 +120,9 @@ void tellWhatWasSaved(const CLI::App& app) {
 
 ExitStatus run(CLI::App& app, int argc, char** argv) {
   try {
-    useTileCache(tileFolder(), [](std::string_view line) { spdlog::warn("{}", line); });
+    const auto warn = [](std::string_view line) { spdlog::warn("{}", line); };
+    useTileCache(tileFolder(), warn);
+    reportMovedFiles(warn);
     useSimdTargetOfEnvironment();
     app.parse(argc, argv);
     tellWhatWasSaved(app);

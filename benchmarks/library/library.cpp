@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
 #include "haptolith/scene/scene.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace {
 
@@ -46,8 +46,8 @@ hapto_scene* cScene(const std::string& toml) {
 }
 
 std::unique_ptr<Scene> ownScene(const std::string& toml) {
-  const Scenario scenario = scenarioFromText(toml, "scene");
-  return std::make_unique<Scene>(scenario.bed, scenario.tool);
+  const SceneFile scene_file = sceneFileFromText(toml, "scene");
+  return std::make_unique<Scene>(scene_file.bed, scene_file.tool);
 }
 
 /// Where the tool is at a tick: through the upper soil, to and fro.

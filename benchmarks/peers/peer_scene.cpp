@@ -18,7 +18,7 @@
 
 #include "haptolith/lab/apparatus/lab_bed.h"
 #include "haptolith/lammps/lammps_export.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/contact_law.h"
 
 namespace haptolith {

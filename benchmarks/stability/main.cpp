@@ -19,7 +19,7 @@
 
 #include "haptolith/core/process/in_parallel.h"
 #include "haptolith/figure/figure.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 
@@ -228,7 +228,7 @@ StabilityCase atUnknownDevice(const HoldingHand& hand, int delay_ticks, double s
 }
 
 struct UnknownCell {
-  const Scenario* scenario = nullptr;
+  const SceneFile* scene_file = nullptr;
   const LyingSoil* lying = nullptr;
   StabilityCase setting;
   StabilityResult result, without;
@@ -236,12 +236,12 @@ struct UnknownCell {
 
 /// 3 soils, 5 hands, 5 delays, 3 steps, 2 noises, at a handle of 0.1 kg.
 int unknownDevices(int threads) {
-  const std::vector<Scenario> scenes{
-      loadScenarioText("title = \"P3, Moon\"", "A"),
-      loadScenarioText("title = \"P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
-                       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
-                       "B"),
-      loadScenarioText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};
+  const std::vector<SceneFile> scenes{
+      loadSceneFileText("title = \"P3, Moon\"", "A"),
+      loadSceneFileText("title = \"P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
+                        "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
+                        "B"),
+      loadSceneFileText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};
   std::vector<LyingSoil> lying(scenes.size());
   inParallel(scenes.size(), threads, [&](std::size_t i) { lying[i] = settled(scenes[i].bed); });
   std::vector<HoldingHand> hands(std::begin(kLightHands), std::end(kLightHands));
@@ -261,9 +261,9 @@ int unknownDevices(int threads) {
   inParallel(cells.size(), threads, [&cells](std::size_t i) {
     UnknownCell& cell = cells[i];
     StabilityCase setting = cell.setting;
-    cell.result = measureStability(cell.scenario->bed, *cell.lying, setting, cell.scenario->tool);
+    cell.result = measureStability(cell.scene_file->bed, *cell.lying, setting, cell.scene_file->tool);
     setting.passivity = false;
-    cell.without = measureStability(cell.scenario->bed, *cell.lying, setting, cell.scenario->tool);
+    cell.without = measureStability(cell.scene_file->bed, *cell.lying, setting, cell.scene_file->tool);
   });
   fmt::print(
       "soil,hand,delay_ms,step_mm,noise_mm,injected_mj,vibration_mm,vibration_before_mm,held_n,held_without_n\n");
@@ -271,7 +271,7 @@ int unknownDevices(int threads) {
   for (const UnknownCell& cell : cells) {
     const StabilityCase& setting = cell.setting;
     const StabilityResult& result = cell.result;
-    fmt::print("\"{}\",\"{}\",{},{:g},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", cell.scenario->title,
+    fmt::print("\"{}\",\"{}\",{},{:g},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", cell.scene_file->title,
                setting.hand.name, setting.delay_ticks, 1e3 * setting.step_m, 1e3 * setting.noise_m,
                1e3 * result.injected_j, 1e3 * result.vibration_m, 1e3 * result.vibration_before_m, result.held_n,
                cell.without.held_n);
@@ -294,13 +294,13 @@ int unknownDevices(int threads) {
 /// A handle of 0.1 kg, released 15 mm deep in the soil or dropped from 1 mm or 20 mm, with and without weight, at a
 /// device of unknown delay.
 int releasedHandles(int threads) {
-  const std::vector<Scenario> scenes{
-      loadScenarioText("title = \"A: P3, Moon\"", "A"),
-      loadScenarioText("title = \"B: P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
-                       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"",
-                       "B"),
-      loadScenarioText("title = \"C: apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C"),
-      loadScenarioText("title = \"lunar-0-15cm\"\n[soil]\nname = \"lunar-0-15cm\"", "lunar")};
+  const std::vector<SceneFile> scenes{
+      loadSceneFileText("title = \"A: P3, Moon\"", "A"),
+      loadSceneFileText("title = \"B: P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
+                        "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"",
+                        "B"),
+      loadSceneFileText("title = \"C: apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C"),
+      loadSceneFileText("title = \"lunar-0-15cm\"\n[soil]\nname = \"lunar-0-15cm\"", "lunar")};
   std::vector<LyingSoil> lying(scenes.size());
   inParallel(scenes.size(), threads, [&](std::size_t i) { lying[i] = settled(scenes[i].bed); });
   std::vector<UnknownCell> cells;
@@ -315,13 +315,13 @@ int releasedHandles(int threads) {
   }
   inParallel(cells.size(), threads, [&cells](std::size_t i) {
     UnknownCell& cell = cells[i];
-    cell.result = measureStability(cell.scenario->bed, *cell.lying, cell.setting, cell.scenario->tool);
+    cell.result = measureStability(cell.scene_file->bed, *cell.lying, cell.setting, cell.scene_file->tool);
   });
   fmt::print("soil,hand,weight_n,delay_ms,step_mm,injected_mj,released_n,after_release_mj,vibration_mm,softest\n");
   double most_j = 0;
   std::size_t above = 0;
-  for (const auto& [scenario, soil, setting, result, without] : cells) {
-    fmt::print("\"{}\",\"{}\",{:g},{},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g}\n", scenario->title, setting.hand.name,
+  for (const auto& [scene_file, soil, setting, result, without] : cells) {
+    fmt::print("\"{}\",\"{}\",{:g},{},{:g},{:.4g},{:.4g},{:.4g},{:.4g},{:.3g}\n", scene_file->title, setting.hand.name,
                setting.hand.weight_n, setting.delay_ticks, 1e3 * setting.step_m, 1e3 * result.injected_j,
                result.released_n, 1e3 * result.after_release_j, 1e3 * result.vibration_m, result.softest);
     most_j = std::max(most_j, result.after_release_j);

@@ -26,7 +26,7 @@
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/lab/apparatus/contact_network.h"
 #include "haptolith/lab/apparatus/lab_bed.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/bodies.h"
 
 namespace haptolith {

@@ -14,7 +14,7 @@
  *   - Device frame: a haptic device's own. hapto_device_limits.turn_rad and the scene's [mapping] turn it into the scene's.
  *   - Soil wrench: what the soil does to the tool, about the tool's origin, scene frame, unfiltered. Device wrench: what is
  *     sent to the device, behind mapping, filter and safety layer, about the handle's origin, device frame.
- *   - Parameters are the keys of scene files (docs/scenarios.md): as a file, as text, or as overrides
+ *   - Parameters are the keys of scene files (docs/scenes.md): as a file, as text, or as overrides
  *     "table.key=value", for example "soil.preset=P3" or "bed.threads=4".
  *   - Every function returns a status; HAPTO_OK is 0. What was wrong is told by hapto_last_error(). Nothing is printed,
  *     nothing is thrown, and no call ends the process.

@@ -171,7 +171,7 @@ bool takesMinutesToSettle([[maybe_unused]] const std::filesystem::path& scene) {
 }
 
 TEST(Run, EveryShippedSceneRuns) {
-  for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenarios")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenes")) {
     if (entry.path().extension() == ".toml" && !takesMinutesToSettle(entry.path())) {
       const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --unpaced --duration-s 0.05");
       EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;
@@ -187,6 +187,13 @@ TEST(Run, BuiltInScenesHaveNamesEverywhere) {
   EXPECT_THAT(scenes, HasSubstr("sandbox        A sandbox of 1 m x 1 m"));
   EXPECT_THAT(scenes, HasSubstr("What the robot finds where the operator's model is that of dig.toml"));
   EXPECT_THAT(runHaptolith("run sandbx").errors, HasSubstr("did you mean sandbox?"));
+}
+
+TEST(Run, AnOldPathOfAShippedSceneStillRuns) {
+  const ProgramResult result =
+      runHaptolith(fmt::format("run '{}/scenarios/rain.toml' --unpaced --duration-s 0.05", sourceDir().string()));
+  EXPECT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("scenes/rain.toml"));
 }
 
 TEST(Run, AKeyWithoutEffectIsAWarning) {

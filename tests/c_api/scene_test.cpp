@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "use.h"
 
@@ -29,8 +29,8 @@ INSTANTIATE_TEST_SUITE_P(Friction, EitherFriction, testing::Values(kPaper, kCont
 
 TEST_P(EitherFriction, AStepIsAStepOfTheSceneInside) {
   const ScenePtr scene = sceneOf(GetParam());
-  const Scenario scenario = scenarioFromText(GetParam(), "scene");
-  Scene inside(scenario.bed, scenario.tool);
+  const SceneFile scene_file = sceneFileFromText(GetParam(), "scene");
+  Scene inside(scene_file.bed, scene_file.tool);
   const auto movement = [](int tick) {
     const hapto_pose now = stirring(tick);
     const hapto_pose before = stirring(tick - 1);

@@ -72,14 +72,14 @@ class MachineFitHere : public testing::Test {
   ~MachineFitHere() override { fs::remove_all(folder_); }
 
   FinestGrain fit(bool again = false) {
-    scenario_ = findScenario(kAutoScene);
-    return fitToMachine(scenario_,
+    scene_file_ = findSceneFile(kAutoScene);
+    return fitToMachine(scene_file_,
                         {.threads = 1, .folder = folder_, .measure_again = again, .measuring = [this] { ++measured_; }},
                         stop_);
   }
 
   fs::path folder_;
-  Scenario scenario_;
+  SceneFile scene_file_;
   std::atomic<bool> stop_{false};
   int measured_ = 0;
 };
@@ -87,8 +87,8 @@ class MachineFitHere : public testing::Test {
 TEST_F(MachineFitHere, IsMeasuredOnceAndAgainWhereTheFileIsBroken) {
   const FinestGrain first = fit();
   EXPECT_EQ(measured_, 1);
-  EXPECT_DOUBLE_EQ(scenario_.bed.soil.radius_m, first.chosen.radius_m);
-  EXPECT_EQ(scenario_.bed.threads, 1);
+  EXPECT_DOUBLE_EQ(scene_file_.bed.soil.radius_m, first.chosen.radius_m);
+  EXPECT_EQ(scene_file_.bed.threads, 1);
   EXPECT_EQ(text(fit(), 1), text(first, 1));
   EXPECT_EQ(measured_, 1);
   (void)fit(true);
@@ -113,10 +113,10 @@ TEST_F(MachineFitHere, ThatIsInterruptedIsNotKept) {
 }
 
 TEST_F(MachineFitHere, RefusesASceneWhoseParticlesAreItsOwn) {
-  Scenario paper = findScenario("paper");
+  SceneFile paper = findSceneFile("paper");
   EXPECT_FALSE(canBeFitted(paper));
   EXPECT_THROW((void)fitToMachine(paper, {}, stop_), InvalidParameter);
-  EXPECT_TRUE(canBeFitted(findScenario(kAutoScene)));
+  EXPECT_TRUE(canBeFitted(findSceneFile(kAutoScene)));
 }
 
 TEST(MachineFit, KnowsWhichKeysAreGiven) {

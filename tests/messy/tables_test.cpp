@@ -8,7 +8,7 @@
 #include "haptolith/device/hand/pose_file.h"
 #include "haptolith/identify/measured_movement.h"
 #include "haptolith/psychometrics/answers_file.h"
-#include "haptolith/scenario/given_grains.h"
+#include "haptolith/scene_file/given_grains.h"
 #include "haptolith/teleop/link/link_parameters.h"
 
 #include "../shared/messy_inputs.h"

@@ -8,7 +8,7 @@
 namespace haptolith {
 
 RecordingHeader madeUpHeader() {
-  return {.scenario = "# A scene\n[bed]\nwidth_mm = 80\n",
+  return {.scene_file = "# A scene\n[bed]\nwidth_mm = 80\n",
           .title = "Gräben auf dem Mond",
           .program_version = "1.2.3",
           .instruction_set = "AVX2",

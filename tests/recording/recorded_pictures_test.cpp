@@ -63,21 +63,21 @@ class DiggingDevice final : public HapticDevice {
   int reads_ = 0;
 };
 
-Scenario diggingScene() {
-  Scenario scenario;
-  scenario.bed.soil = findPreset("P3").soil;
-  scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
-  scenario.loop.paced = false;
-  return scenario;
+SceneFile diggingScene() {
+  SceneFile scene_file;
+  scene_file.bed.soil = findPreset("P3").soil;
+  scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
+  scene_file.loop.paced = false;
+  return scene_file;
 }
 
 /// Particles of different sizes under jaws.
-Scenario jawsInUnevenSoil() {
-  Scenario scenario = diggingScene();
-  scenario.bed.soil.friction = FrictionModel::kContact;
-  scenario.bed.soil.size_spread = 0.1;
-  scenario.tool.shape = ToolShape::kJaws;
-  return scenario;
+SceneFile jawsInUnevenSoil() {
+  SceneFile scene_file = diggingScene();
+  scene_file.bed.soil.friction = FrictionModel::kContact;
+  scene_file.bed.soil.size_spread = 0.1;
+  scene_file.tool.shape = ToolShape::kJaws;
+  return scene_file;
 }
 
 std::array<float, 3> xyz(const Float4& v) {
@@ -101,10 +101,10 @@ class RecordedPicturesTest : public testing::Test {
     Wrench soil;
   };
 
-  void record(const Scenario& scenario) {
-    Scene scene(scenario.bed, scenario.tool);
+  void record(const SceneFile& scene_file) {
+    Scene scene(scene_file.bed, scene_file.tool);
     DiggingDevice device;
-    HapticLoop loop(scene, device, scenario.loop, true, handlingOf(scenario, scene.bed().surfaceHeight()));
+    HapticLoop loop(scene, device, scene_file.loop, true, handlingOf(scene_file, scene.bed().surfaceHeight()));
     loop.hashRecords();
     const std::size_t count = scene.bed().particles();
     for (std::size_t picture = 0; picture < kPictures; ++picture) {
@@ -118,7 +118,7 @@ class RecordedPicturesTest : public testing::Test {
                  .tool = scene.toolPose(),
                  .opening_m = scene.opening(),
                  .soil = scene.soilWrench()};
-      now.load_n = contactLoads(scenario.bed, now.position);
+      now.load_n = contactLoads(scene_file.bed, now.position);
       ParticleFrame frame{.time_s = loop.time(), .tick = (picture + 1) * kEvery, .position_m = {}};
       for (const Float4& position : now.position) {
         frame.position_m.push_back(xyz(position));
@@ -127,7 +127,7 @@ class RecordedPicturesTest : public testing::Test {
       frames_.push_back(std::move(frame));
     }
     loop.takeRecords(ticks_);
-    header_.scenario = scenarioText(scenario);
+    header_.scene_file = sceneFileText(scene_file);
     header_.instruction_set = simdTarget();
     header_.device = device.name();
     header_.device_limits = limitsText(device.limits(), device.simulated());
@@ -231,12 +231,13 @@ TEST_F(RecordedPicturesTest, AllButVelocitiesIsKnownWithoutAReplay) {
 }
 
 TEST_F(RecordedPicturesTest, GrainsOfSeveralSizesKeepTheirOwn) {
-  Scenario scenario = jawsInUnevenSoil();
-  scenario.bed.width_m = scenario.bed.length_m = 0.1;
-  scenario.bed.start = BedStart::kRain;
-  scenario.bed.particles = 100;
-  scenario.bed.grading = {.fine_radius_m = 0.0035, .fine_width_m = 0.02, .fine_length_m = 0.02, .fine_depth_m = 0.015};
-  record(scenario);
+  SceneFile scene_file = jawsInUnevenSoil();
+  scene_file.bed.width_m = scene_file.bed.length_m = 0.1;
+  scene_file.bed.start = BedStart::kRain;
+  scene_file.bed.particles = 100;
+  scene_file.bed.grading = {
+      .fine_radius_m = 0.0035, .fine_width_m = 0.02, .fine_length_m = 0.02, .fine_depth_m = 0.015};
+  record(scene_file);
   EXPECT_GT(moments_[0].position.front().w, -0.001);
   EXPECT_LT(moments_[0].position.back().w, -0.003);
   ticks_[250].state_hash ^= 1;  // a replay goes no further
@@ -245,7 +246,7 @@ TEST_F(RecordedPicturesTest, GrainsOfSeveralSizesKeepTheirOwn) {
     ASSERT_EQ(all.pictures.size(), kPictures);
     EXPECT_EQ(all.replayed, replay ? 2U : 0U);
     for (std::size_t number = 0; number < kPictures; ++number) {
-      expectAsItWas(all.pictures[number], number, scenario.bed.soil.radius_m);
+      expectAsItWas(all.pictures[number], number, scene_file.bed.soil.radius_m);
     }
   }
   header_.instruction_set = "SPARC";  // there the bed may have settled otherwise
@@ -313,7 +314,7 @@ TEST_F(RecordedPicturesTest, ARecordingThatCannotBeReplayedGivesTheRestAndTheRea
 
 TEST_F(RecordedPicturesTest, ASceneThatCannotBeReadLeavesThePositions) {
   record(diggingScene());
-  header_.scenario = "[bed]\nfrom_the_future = 1\n";
+  header_.scene_file = "[bed]\nfrom_the_future = 1\n";
   const Taken all = taken(false);
   ASSERT_EQ(all.pictures.size(), kPictures);
   EXPECT_EQ(all.pictures[1].position_m, frames_[1].position_m);

@@ -62,7 +62,7 @@ void expectMadeUp(const std::vector<TickRecord>& ticks, std::uint64_t first) {
 }
 
 void expectSameHeader(const RecordingHeader& got, const RecordingHeader& wanted) {
-  EXPECT_EQ(got.scenario, wanted.scenario);
+  EXPECT_EQ(got.scene_file, wanted.scene_file);
   EXPECT_EQ(got.title, wanted.title);
   EXPECT_EQ(got.program_version, wanted.program_version);
   EXPECT_EQ(got.instruction_set, wanted.instruction_set);
@@ -256,7 +256,7 @@ TEST_F(RecordingWriterTest, EventsAreCutBetweenLetters) {
 
 TEST_F(RecordingWriterTest, ALongSceneFitsIntoTheHeader) {
   RecordingHeader header = madeUpHeader();
-  header.scenario.assign(300'000, '#');
+  header.scene_file.assign(300'000, '#');
   header.host.clear();
   RecordingWriter(file("a.h5"), header).finish();
   expectSameHeader(RecordingReader(file("a.h5")).header(), header);

@@ -73,25 +73,25 @@ class PersonsDevice final : public HapticDevice {
   bool simulated_;
 };
 
-Scenario personsScene() {
-  Scenario scenario;
-  scenario.bed.soil = findPreset("P3").soil;
-  scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
-  scenario.handling.safety.soft_start_s = 0.1;
-  scenario.handling.safety.soft_stop_s = 0.05;
-  scenario.handling.safety.calm_s = 0.05;
-  scenario.handling.safety.most_misses = 5;
-  scenario.loop.paced = false;
-  return scenario;
+SceneFile personsScene() {
+  SceneFile scene_file;
+  scene_file.bed.soil = findPreset("P3").soil;
+  scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
+  scene_file.handling.safety.soft_start_s = 0.1;
+  scene_file.handling.safety.soft_stop_s = 0.05;
+  scene_file.handling.safety.calm_s = 0.05;
+  scene_file.handling.safety.most_misses = 5;
+  scene_file.loop.paced = false;
+  return scene_file;
 }
 
 /// As personsScene(), with a bed that is large enough for several threads to share.
-Scenario largeScene() {
-  Scenario scenario = personsScene();
-  scenario.bed.width_m = scenario.bed.length_m = 0.4;
-  scenario.bed.particles = 3000;
-  scenario.bed.layers = 4;
-  return scenario;
+SceneFile largeScene() {
+  SceneFile scene_file = personsScene();
+  scene_file.bed.width_m = scene_file.bed.length_m = 0.4;
+  scene_file.bed.particles = 3000;
+  scene_file.bed.layers = 4;
+  return scene_file;
 }
 
 class ReplayTest : public testing::Test {
@@ -102,15 +102,15 @@ class ReplayTest : public testing::Test {
   ~ReplayTest() override { fs::remove_all(folder_); }
 
   /// Lets `drive` run a loop of the scene, and keeps what was recorded of it.
-  void record(const Scenario& scenario, const PersonsDevice::Accident& accident,
+  void record(const SceneFile& scene_file, const PersonsDevice::Accident& accident,
               const std::function<void(HapticLoop&)>& drive) {
-    Scene scene(scenario.bed, scenario.tool);
+    Scene scene(scene_file.bed, scene_file.tool);
     PersonsDevice device([&](int read, DeviceInput& input) { accident(read, input); }, simulated_);
-    HapticLoop loop(scene, device, scenario.loop, true, handlingOf(scenario, scene.bed().surfaceHeight()));
+    HapticLoop loop(scene, device, scene_file.loop, true, handlingOf(scene_file, scene.bed().surfaceHeight()));
     loop.hashRecords();
     drive(loop);
     loop.takeRecords(ticks_);
-    header_.scenario = scenarioText(scenario);
+    header_.scene_file = sceneFileText(scene_file);
     header_.instruction_set = simdTarget();
     header_.device = device.name();
     header_.device_limits = limitsText(device.limits(), device.simulated());
@@ -215,9 +215,9 @@ TEST_F(ReplayTest, EveryTripOfAPersonsHandComesOutBitForBitWhateverTheThreads) {
 
 TEST_F(ReplayTest, ARunByTheClockComesOutBitForBitHoweverLateItWas) {
   using std::chrono::milliseconds;
-  Scenario scenario = personsScene();
-  scenario.loop.paced = true;
-  scenario.loop.duration_s = 0.8;
+  SceneFile scene_file = personsScene();
+  scene_file.loop.paced = true;
+  scene_file.loop.duration_s = 0.8;
   HapticLoop* running = nullptr;
   const auto accident = [&running](int read, DeviceInput&) {
     if (read >= 200 && read < 210) {
@@ -230,7 +230,7 @@ TEST_F(ReplayTest, ARunByTheClockComesOutBitForBitHoweverLateItWas) {
       running->ask(request::Resume{});
     }
   };
-  record(scenario, accident, [&running](HapticLoop& loop) {
+  record(scene_file, accident, [&running](HapticLoop& loop) {
     running = &loop;
     const std::atomic<bool> stop{false};
     EXPECT_EQ(loop.run(stop), LoopEnd::kDuration);
@@ -243,13 +243,13 @@ TEST_F(ReplayTest, ARunByTheClockComesOutBitForBitHoweverLateItWas) {
 }
 
 TEST_F(ReplayTest, ADeviceThatShowsNoForceComesOutBitForBitThroughItsVirtualCoupling) {
-  Scenario scenario = personsScene();
-  scenario.handling.coupling.kind = CouplingKind::kVirtual;
-  scenario.handling.mapping.scale = 1.3;
-  scenario.handling.mapping.turn_rad = Vec3(0.1, 0.2, 0.3);
-  scenario.handling.mapping.clutch_button = 0;
+  SceneFile scene_file = personsScene();
+  scene_file.handling.coupling.kind = CouplingKind::kVirtual;
+  scene_file.handling.mapping.scale = 1.3;
+  scene_file.handling.mapping.turn_rad = Vec3(0.1, 0.2, 0.3);
+  scene_file.handling.mapping.clutch_button = 0;
   const auto clutch = [](int read, DeviceInput& input) { input.buttons = read >= 200 && read < 300 ? 1 : 0; };
-  record(scenario, clutch, [](HapticLoop& loop) { tickTimes(loop, 500); });
+  record(scene_file, clutch, [](HapticLoop& loop) { tickTimes(loop, 500); });
   EXPECT_GT(largestFelt(), 0.1);
   expectBitForBit(replayed());
 }
@@ -371,14 +371,14 @@ TEST_F(ReplayTest, ARunThatFailsIsReplayedUpToTheTickThatFailed) {
 }
 
 TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
-  Scenario scenario = personsScene();
-  scenario.bed.soil.friction = FrictionModel::kContact;
-  scenario.bed.soil.contact_cohesion_n = 0.01;
-  record(scenario, nothingHappens, [&](HapticLoop& loop) {
+  SceneFile scene_file = personsScene();
+  scene_file.bed.soil.friction = FrictionModel::kContact;
+  scene_file.bed.soil.contact_cohesion_n = 0.01;
+  record(scene_file, nothingHappens, [&](HapticLoop& loop) {
     for (int i = 0; i < 300; ++i) {
       if (i % 20 == 10) {
         const SoilAdjustment step{0.5 - 1.0 / 3 * i / 300, 0.01 + 1e-4 * i / 7, 0.36 + 1e-3 * i};
-        ASSERT_TRUE(loop.ask(request::Adjust{SoilLaws(step.of(scenario.bed.soil)), step.tool_friction}));
+        ASSERT_TRUE(loop.ask(request::Adjust{SoilLaws(step.of(scene_file.bed.soil)), step.tool_friction}));
         events_.push_back({.time_s = 1e-3 * i, .kind = kAdjustmentKind, .text = adjustmentText(step)});
       }
       tickTimes(loop, 1);
@@ -406,9 +406,9 @@ TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
 }
 
 TEST_F(ReplayTest, GrainsThatWereMovedAreMovedAgain) {
-  const Scenario scenario = personsScene();
-  const Bed same(scenario.bed);
-  record(scenario, nothingHappens, [&](HapticLoop& loop) {
+  const SceneFile scene_file = personsScene();
+  const Bed same(scene_file.bed);
+  record(scene_file, nothingHappens, [&](HapticLoop& loop) {
     for (std::size_t i = 0; i < 100; ++i) {
       if (i % 25 == 10) {
         const Float4& at = same.state().position[i];
@@ -475,7 +475,7 @@ TEST_F(ReplayTest, ARecordingOfTheMiddleOfARunIsRefused) {
 TEST_F(ReplayTest, ASceneOrDeviceThatCannotBeReadIsRefused) {
   record(personsScene(), nothingHappens, [](HapticLoop& loop) { tickTimes(loop, 10); });
   const RecordingHeader whole = header_;
-  header_.scenario = "[bed]\nparticles = \"many\"\n";
+  header_.scene_file = "[bed]\nparticles = \"many\"\n";
   EXPECT_THAT([this] { (void)replayed(); }, ThrowsMessage<InvalidParameter>(HasSubstr("the recorded scene")));
   header_ = whole;
   header_.device_limits = "{}";

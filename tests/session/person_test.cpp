@@ -66,11 +66,11 @@ class PersonsDevice final : public HapticDevice {
 class PersonsSession : public testing::Test {
  protected:
   PersonsSession() {
-    Scenario scenario;
-    scenario.loop.paced = false;
-    scenario.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
-    scenario.handling.safety.soft_start_s = 0.5;
-    session_ = std::make_unique<Session>(scenario, true, SettleProgress{}, std::make_unique<PersonsDevice>(handle_));
+    SceneFile scene_file;
+    scene_file.loop.paced = false;
+    scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
+    scene_file.handling.safety.soft_start_s = 0.5;
+    session_ = std::make_unique<Session>(scene_file, true, SettleProgress{}, std::make_unique<PersonsDevice>(handle_));
     session_->start(stop_);
   }
   ~PersonsSession() override {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scenario_keys.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_file_keys.h"
 #include "haptolith/session/session.h"
 
 namespace haptolith {
@@ -25,7 +25,7 @@ namespace {
 constexpr double kDuration_s = 0.03;
 
 /// Keys that need a file or a device, or that say nothing about what is computed.
-bool isLeftOut(const ScenarioKey& key) {
+bool isLeftOut(const SceneFileKey& key) {
   constexpr std::array<std::string_view, 3> kTables = {"", "names", "device"};
   constexpr std::array<std::string_view, 8> kNames = {"duration_s", "paced", "cpu",        "threads",
                                                       "poses",      "file",  "ready_made", "mesh"};
@@ -33,7 +33,7 @@ bool isLeftOut(const ScenarioKey& key) {
 }
 
 /// What is valid and takes too long for a test: a billion particles, beds that settle for minutes.
-double mostOf(const ScenarioKey& key) {
+double mostOf(const SceneFileKey& key) {
   if (key.table == "bed" && (key.name == "particles" || key.name == "layers")) {
     return key.name == "particles" ? 1500 : 10;
   }
@@ -65,22 +65,22 @@ class Draw {
   }
 
   /// "0.25", `true`, `'rain'` or "[1, 2, 3]" for a key; empty for one that takes a file or bytes.
-  std::string valueFor(const ScenarioKey& key) {
+  std::string valueFor(const SceneFileKey& key) {
     const double most = mostOf(key);
-    if (const auto* n = std::get_if<ScenarioKey::NumberValue>(&key.value)) {
+    if (const auto* n = std::get_if<SceneFileKey::NumberValue>(&key.value)) {
       return fmt::format("{}", number(n->valid, most));
     }
-    if (const auto* n = std::get_if<ScenarioKey::CountValue>(&key.value)) {
+    if (const auto* n = std::get_if<SceneFileKey::CountValue>(&key.value)) {
       return fmt::format("{}", std::llround(number(n->valid, most)));
     }
-    if (const auto* n = std::get_if<ScenarioKey::VectorValue>(&key.value)) {
+    if (const auto* n = std::get_if<SceneFileKey::VectorValue>(&key.value)) {
       return fmt::format("[{}, {}, {}]", number(n->valid, most), number(n->valid, most), number(n->valid, most));
     }
-    if (const auto* n = std::get_if<ScenarioKey::WordValue>(&key.value)) {
+    if (const auto* n = std::get_if<SceneFileKey::WordValue>(&key.value)) {
       const std::string_view word = n->valid[static_cast<std::size_t>(below(static_cast<int>(n->valid.size())))];
       return word == "poses" || word == "given" || word == "mesh" ? "" : fmt::format("{}", word);
     }
-    if (std::holds_alternative<ScenarioKey::SwitchValue>(key.value)) {
+    if (std::holds_alternative<SceneFileKey::SwitchValue>(key.value)) {
       return below(2) == 0 ? "false" : "true";
     }
     return "";
@@ -88,8 +88,8 @@ class Draw {
 
   std::string overrideText() {
     for (;;) {
-      const auto keys = scenarioKeys();
-      const ScenarioKey& key = keys[static_cast<std::size_t>(below(static_cast<int>(keys.size())))];
+      const auto keys = sceneFileKeys();
+      const SceneFileKey& key = keys[static_cast<std::size_t>(below(static_cast<int>(keys.size())))];
       const std::string value = isLeftOut(key) ? "" : valueFor(key);
       if (!value.empty()) {
         return fmt::format("{}.{}={}", key.table, key.name, value);
@@ -126,10 +126,10 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
       std::fflush(stdout);
     }
     try {
-      Scenario scenario = findScenario(base, overrides);
-      scenario.loop.paced = false;
-      scenario.loop.duration_s = kDuration_s;
-      Session session(scenario, false);
+      SceneFile scene_file = findSceneFile(base, overrides);
+      scene_file.loop.paced = false;
+      scene_file.loop.duration_s = kDuration_s;
+      Session session(scene_file, false);
       std::atomic<bool> stop{false};
       session.start(stop);
       const LoopEnd end = session.join();

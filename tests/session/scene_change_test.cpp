@@ -16,7 +16,7 @@ TEST(SceneChange, ChangesWhatItNamesAndNothingElse) {
   change.tool_shape = ToolShape::kSphere;
   change.tool_diameter_m = 0.02;
   change.tool_opening_m = 0.03;
-  const Scenario next = changed(Scenario{}, change);
+  const SceneFile next = changed(SceneFile{}, change);
   EXPECT_EQ(next.preset, "P1");
   EXPECT_EQ(next.bed.soil, findPreset("P1").soil);
   EXPECT_EQ(next.bed.gravity_m_s2, Vec3(0, 0, -3.721));
@@ -31,19 +31,19 @@ TEST(SceneChange, ChangesWhatItNamesAndNothingElse) {
 TEST(SceneChange, ASoilWithANameReplacesAPreset) {
   SceneChange change;
   change.soil = "dry-sand";
-  const Scenario next = changed(Scenario{}, change);
+  const SceneFile next = changed(SceneFile{}, change);
   EXPECT_EQ(next.soil_name, "dry-sand");
   EXPECT_TRUE(next.preset.empty());
   EXPECT_EQ(next.bed.soil.friction, FrictionModel::kContact);
-  EXPECT_EQ(next.bed.soil.radius_m, Scenario{}.bed.soil.radius_m);
+  EXPECT_EQ(next.bed.soil.radius_m, SceneFile{}.bed.soil.radius_m);
 }
 
 TEST(SceneChange, TheTitleNamesWhatIsThereOnceThatHasChanged) {
   SceneChange change;
-  EXPECT_EQ(changed(Scenario{}, change).title, Scenario{}.title);
+  EXPECT_EQ(changed(SceneFile{}, change).title, SceneFile{}.title);
   change.soil = "dry-sand";
   change.body = "Earth";
-  Scenario next = changed(Scenario{}, change);
+  SceneFile next = changed(SceneFile{}, change);
   EXPECT_EQ(next.title, "dry-sand soil, Earth, R = 7 mm, shovel, scoop");
   change = {};
   change.preset = "P1";
@@ -63,7 +63,7 @@ TEST(SceneChange, WhatCannotBeIsRefused) {
   const auto refused = [](auto set) {
     SceneChange change;
     set(change);
-    EXPECT_THROW((void)changed(Scenario{}, change), InvalidParameter);
+    EXPECT_THROW((void)changed(SceneFile{}, change), InvalidParameter);
   };
   refused([](SceneChange& c) { c.preset = "P7"; });
   refused([](SceneChange& c) { c.body = "Venus"; });
@@ -73,8 +73,8 @@ TEST(SceneChange, WhatCannotBeIsRefused) {
 }
 
 /// Settled soil with a ball in it.
-Scenario ballInSoil() {
-  Scenario scene = findScenario("buried-stone");
+SceneFile ballInSoil() {
+  SceneFile scene = findSceneFile("buried-stone");
   scene.bed.stones.placed.push_back(scene.bed.stones.placed.front());
   return scene;
 }
@@ -85,7 +85,7 @@ TEST(SceneChange, ChangesTheDepthOfSoilItsStonesAndGravity) {
   change.stone_size_m = 0.02;
   change.stone_depth_m = 0.04;
   change.gravity_m_s2 = 5;
-  const Scenario next = changed(ballInSoil(), change);
+  const SceneFile next = changed(ballInSoil(), change);
   EXPECT_EQ(next.bed.depth_m, 0.06);
   ASSERT_EQ(next.bed.stones.placed.size(), 2U);
   for (const PlacedStone& stone : next.bed.stones.placed) {
@@ -100,7 +100,7 @@ TEST(SceneChange, ChangesTheDepthOfSoilItsStonesAndGravity) {
 }
 
 TEST(SceneChange, GravityKeepsItsDirectionAndFallsDownFromNothing) {
-  Scenario scene;
+  SceneFile scene;
   scene.bed.gravity_m_s2 = Vec3(3, 0, -4);
   SceneChange change;
   change.gravity_m_s2 = 10;
@@ -111,20 +111,20 @@ TEST(SceneChange, GravityKeepsItsDirectionAndFallsDownFromNothing) {
 }
 
 TEST(SceneChange, WhatABedOrAStoneCannotBeIsRefusedWithItsValue) {
-  const auto refused = [](const Scenario& scene, auto set, const std::string& value, const std::string& valid) {
+  const auto refused = [](const SceneFile& scene, auto set, const std::string& value, const std::string& valid) {
     SceneChange change;
     set(change);
     EXPECT_THAT([&] { (void)changed(scene, change); }, testing::ThrowsMessage<InvalidParameter>(testing::AllOf(
                                                            testing::HasSubstr(value), testing::HasSubstr(valid))));
   };
   refused(
-      Scenario{}, [](SceneChange& c) { c.soil_depth_m = 0.05; }, "soil_depth_mm = 50", "`packed` or `settled`");
+      SceneFile{}, [](SceneChange& c) { c.soil_depth_m = 0.05; }, "soil_depth_mm = 50", "`packed` or `settled`");
   refused(
-      Scenario{}, [](SceneChange& c) { c.stone_depth_m = 0.05; }, "stone_depth_mm = 50", "no [[stone]]");
+      SceneFile{}, [](SceneChange& c) { c.stone_depth_m = 0.05; }, "stone_depth_mm = 50", "no [[stone]]");
   refused(
-      Scenario{}, [](SceneChange& c) { c.stone_size_m = 0.05; }, "stone_size_mm = 50", "no [[stone]]");
+      SceneFile{}, [](SceneChange& c) { c.stone_size_m = 0.05; }, "stone_size_mm = 50", "no [[stone]]");
   refused(
-      findScenario("firm-ground"), [](SceneChange& c) { c.stone_size_m = 0.05; }, "stone_size_mm = 50",
+      findSceneFile("firm-ground"), [](SceneChange& c) { c.stone_size_m = 0.05; }, "stone_size_mm = 50",
       "size of its spheres");
   refused(
       ballInSoil(), [](SceneChange& c) { c.stone_size_m = 0.0005; }, "stone_size_mm = 0.5", "1 to 10000");
@@ -133,14 +133,14 @@ TEST(SceneChange, WhatABedOrAStoneCannotBeIsRefusedWithItsValue) {
   refused(
       ballInSoil(), [](SceneChange& c) { c.soil_depth_m = 0.001; }, "1", "");
   refused(
-      Scenario{}, [](SceneChange& c) { c.gravity_m_s2 = -1; }, "gravity_m_s2 = -1", "0 to 1000");
+      SceneFile{}, [](SceneChange& c) { c.gravity_m_s2 = -1; }, "gravity_m_s2 = -1", "0 to 1000");
 }
 
 TEST(SceneChange, NoToolBecomesLargerThanTheBox) {
   const auto refused = [](auto set) {
     SceneChange change;
     set(change);
-    EXPECT_THAT([&] { (void)changed(Scenario{}, change); },
+    EXPECT_THAT([&] { (void)changed(SceneFile{}, change); },
                 testing::ThrowsMessage<InvalidParameter>(
                     testing::AllOf(testing::HasSubstr("_mm = 127"), testing::HasSubstr("1 to 126"))));
   };
@@ -151,10 +151,10 @@ TEST(SceneChange, NoToolBecomesLargerThanTheBox) {
   refused([](SceneChange& c) { c.tool_thickness_m = 0.127; });
   refused([](SceneChange& c) { c.tool_opening_m = 0.127; });
   SceneChange largest;
-  largest.tool_size_m = Vec3::Constant(Scenario{}.bed.width_m);
-  EXPECT_EQ(changed(Scenario{}, largest).tool.size_m, largest.tool_size_m);
+  largest.tool_size_m = Vec3::Constant(SceneFile{}.bed.width_m);
+  EXPECT_EQ(changed(SceneFile{}, largest).tool.size_m, largest.tool_size_m);
 
-  Scenario long_box;
+  SceneFile long_box;
   long_box.bed.length_m = 0.5;
   EXPECT_EQ(toolLengths(long_box.bed).highest, long_box.bed.width_m) << "the tool can be turned";
 }

@@ -19,15 +19,15 @@ using namespace std::chrono_literals;
 /// A session that runs as fast as it can, under a hand that keeps still above the soil.
 class SessionTest : public testing::Test {
  protected:
-  static Scenario quiet() {
-    Scenario scenario;
-    scenario.hand.manoeuvre = Manoeuvre::kStill;
-    scenario.loop.paced = false;
-    return scenario;
+  static SceneFile quiet() {
+    SceneFile scene_file;
+    scene_file.hand.manoeuvre = Manoeuvre::kStill;
+    scene_file.loop.paced = false;
+    return scene_file;
   }
 
-  void start(const Scenario& scenario = quiet()) {
-    session_ = std::make_unique<Session>(scenario, false);
+  void start(const SceneFile& scene_file = quiet()) {
+    session_ = std::make_unique<Session>(scene_file, false);
     session_->start(stop_);
   }
   void TearDown() override {
@@ -74,7 +74,7 @@ class SessionTest : public testing::Test {
 TEST_F(SessionTest, AnotherWorldIsFeltByTheBedThatIsThere) {
   start();
   session_->change({.body = "Earth"});
-  EXPECT_EQ(session_->scenario().body, "Earth");
+  EXPECT_EQ(session_->sceneFile().body, "Earth");
   waitTicks(500);
   EXPECT_EQ(session_->scenes(), 1U);
   stop_ = true;
@@ -86,19 +86,19 @@ TEST_F(SessionTest, AnotherSoilIsAnotherBedAndCanBeUndoneAndDoneAgain) {
   start();
   const std::size_t before = session_->scene().bed().particles();
   session_->change({.preset = "P6"});
-  EXPECT_EQ(session_->scenario().preset, "P6");
+  EXPECT_EQ(session_->sceneFile().preset, "P6");
   ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
   EXPECT_EQ(session_->undoable(), "soil");
   EXPECT_FALSE(session_->undoRedoes());
-  EXPECT_EQ(session_->scene().bed().parameters().soil.mu_hat, session_->scenario().bed.soil.mu_hat);
+  EXPECT_EQ(session_->scene().bed().parameters().soil.mu_hat, session_->sceneFile().bed.soil.mu_hat);
 
   session_->undo();
   ASSERT_TRUE(soon([&] { return session_->scenes() == 3; }));
-  EXPECT_EQ(session_->scenario().preset, "P3");
+  EXPECT_EQ(session_->sceneFile().preset, "P3");
   EXPECT_EQ(session_->scene().bed().particles(), before);
   session_->undo();
   ASSERT_TRUE(soon([&] { return session_->scenes() == 4; }));
-  EXPECT_EQ(session_->scenario().preset, "P6");
+  EXPECT_EQ(session_->sceneFile().preset, "P6");
 }
 
 TEST_F(SessionTest, ASliderChangesTheSoilThatLiesThere) {
@@ -107,14 +107,14 @@ TEST_F(SessionTest, ASliderChangesTheSoilThatLiesThere) {
   waitTicks(500);
   EXPECT_EQ(session_->scenes(), 1U);
   EXPECT_TRUE(session_->undoable().empty());
-  const double wanted = session_->scenario().bed.soil.mu_hat;
+  const double wanted = session_->sceneFile().bed.soil.mu_hat;
   stop_ = true;
   session_->join();
   EXPECT_EQ(session_->scene().bed().parameters().soil.mu_hat, wanted);
 }
 
 TEST_F(SessionTest, ASliderThatTheListsAreNotGoodForTakesTheSoilAsItLies) {
-  Scenario cohesionless = quiet();
+  SceneFile cohesionless = quiet();
   cohesionless.bed.soil.friction = FrictionModel::kContact;
   cohesionless.hand.manoeuvre = Manoeuvre::kStir;
   start(cohesionless);
@@ -134,7 +134,7 @@ TEST_F(SessionTest, ASliderThatTheListsAreNotGoodForTakesTheSoilAsItLies) {
 }
 
 TEST_F(SessionTest, SoilIsAdjustedWhereItLiesUnlessSomebodyWantsAnother) {
-  Scenario cohesive = quiet();
+  SceneFile cohesive = quiet();
   cohesive.bed.soil.friction = FrictionModel::kContact;
   cohesive.bed.soil.contact_cohesion_n = 0.01;
   start(cohesive);
@@ -142,7 +142,7 @@ TEST_F(SessionTest, SoilIsAdjustedWhereItLiesUnlessSomebodyWantsAnother) {
   waitTicks(100);
   EXPECT_EQ(session_->scenes(), 1U);
   EXPECT_EQ(session_->shown().bed.soil.contact_friction, 0.31);
-  EXPECT_EQ(session_->scenario().tool.friction, 0.27);
+  EXPECT_EQ(session_->sceneFile().tool.friction, 0.27);
   EXPECT_TRUE(session_->settled()) << "and no other bed is made for it";
   EXPECT_THROW((void)session_->adjust({.contact_friction = -1, .contact_cohesion_n = 0, .tool_friction = 0}),
                InvalidParameter);
@@ -155,7 +155,7 @@ TEST_F(SessionTest, SoilIsAdjustedWhereItLiesUnlessSomebodyWantsAnother) {
 }
 
 TEST_F(SessionTest, AdjustsNothingThatTheListsAreNotGoodFor) {
-  Scenario cohesionless = quiet();
+  SceneFile cohesionless = quiet();
   cohesionless.bed.soil.friction = FrictionModel::kContact;
   start(cohesionless);
   EXPECT_FALSE(session_->adjust({.contact_friction = 0.3, .contact_cohesion_n = 0.02, .tool_friction = 0.3}));
@@ -183,8 +183,8 @@ TEST_F(SessionTest, WhatIsAskedForWhileABedComesIsDoneToThatBed) {
   EXPECT_EQ(session_->shown().body, "Mars");
   session_->undo();
   ASSERT_TRUE(soon([&] { return session_->scenes() == 3; }));
-  EXPECT_EQ(session_->scenario().body, "Moon");
-  EXPECT_EQ(session_->scenario().tool.shape, ToolShape::kBox);
+  EXPECT_EQ(session_->sceneFile().body, "Moon");
+  EXPECT_EQ(session_->sceneFile().tool.shape, ToolShape::kBox);
   stop_ = true;
   session_->join();
   EXPECT_EQ(session_->scene().bed().parameters().gravity_m_s2.z(), -1.625);
@@ -202,23 +202,23 @@ TEST_F(SessionTest, LettingGoRightAfterAnotherBedHasComeLeavesTheToolWhereItIs) 
 }
 
 TEST_F(SessionTest, ResetTakesBackEverythingAndLevelOnlyWhatWasDug) {
-  Scenario stirred = quiet();
+  SceneFile stirred = quiet();
   stirred.hand.manoeuvre = Manoeuvre::kStir;
   start(stirred);
   session_->change({.body = "Mars"});
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > 3000; }));
   session_->level();
   ASSERT_TRUE(soon([&] { return session_->scenes() == 2; }));
-  EXPECT_EQ(session_->scenario().body, "Mars");
+  EXPECT_EQ(session_->sceneFile().body, "Mars");
   EXPECT_EQ(session_->undoable(), "level");
   session_->reset();
   ASSERT_TRUE(soon([&] { return session_->scenes() == 3; }));
-  EXPECT_EQ(session_->scenario().body, "Moon");
+  EXPECT_EQ(session_->sceneFile().body, "Moon");
   EXPECT_EQ(session_->undoable(), "reset");
 }
 
 TEST_F(SessionTest, BecomesCoarserAndStaysSo) {
-  Scenario fine = findScenario("auto");
+  SceneFile fine = findSceneFile("auto");
   fine.hand.manoeuvre = Manoeuvre::kStill;
   fine.loop.paced = false;
   start(fine);
@@ -247,8 +247,8 @@ TEST_F(SessionTest, ARefusedChangeChangesNothing) {
   EXPECT_THROW(session_->setSpeed(0), InvalidParameter);
   EXPECT_THROW(session_->hold(Pose{Vec3(0, 0, 5)}), InvalidParameter);
   EXPECT_THROW(session_->hold(Pose{Vec3(0, 0, 0.1), Quat(0, 0, 0, 0)}), InvalidParameter);
-  EXPECT_EQ(session_->scenario().preset, "P3");
-  EXPECT_EQ(session_->scenario().body, "Moon");
+  EXPECT_EQ(session_->sceneFile().preset, "P3");
+  EXPECT_EQ(session_->sceneFile().body, "Moon");
 }
 
 TEST_F(SessionTest, WhoeverHoldsTheToolDigsAndItStaysWhereItIsLeft) {
@@ -266,14 +266,14 @@ TEST_F(SessionTest, WhoeverHoldsTheToolDigsAndItStaysWhereItIsLeft) {
 
 TEST_F(SessionTest, TheTitleFollowsTheMotion) {
   start();
-  const std::string own = session_->scenario().title;
+  const std::string own = session_->sceneFile().title;
   session_->play(session_->manoeuvre());
-  EXPECT_EQ(session_->scenario().title, own);
+  EXPECT_EQ(session_->sceneFile().title, own);
   session_->play(Manoeuvre::kStir);
-  EXPECT_EQ(session_->scenario().title, "P3 soil, Moon, R = 7 mm, shovel, stir");
-  EXPECT_EQ(session_->shown().title, session_->scenario().title);
+  EXPECT_EQ(session_->sceneFile().title, "P3 soil, Moon, R = 7 mm, shovel, stir");
+  EXPECT_EQ(session_->shown().title, session_->sceneFile().title);
   session_->reset();
-  EXPECT_EQ(session_->scenario().title, "P3 soil, Moon, R = 7 mm, shovel, stir") << "the hand still stirs";
+  EXPECT_EQ(session_->sceneFile().title, "P3 soil, Moon, R = 7 mm, shovel, stir") << "the hand still stirs";
 }
 
 TEST_F(SessionTest, APausedSessionGoesOnTickByTick) {
@@ -290,7 +290,7 @@ TEST_F(SessionTest, APausedSessionGoesOnTickByTick) {
 }
 
 TEST_F(SessionTest, LevelSoilLiesAsItDidAtFirstHoweverItWasMade) {
-  Scenario settled = findScenario("soil-surface");  // repeated from a tile, its sides held
+  SceneFile settled = findSceneFile("soil-surface");  // repeated from a tile, its sides held
   settled.bed.width_m = settled.bed.length_m = 0.08;
   settled.bed.depth_m = 0.02;
   settled.loop.paced = false;
@@ -335,11 +335,11 @@ TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
   waitTicks(kToRest);
   EXPECT_LT(farthest(session_->snapshot().position, level), 1e-3);
   EXPECT_THROW(session_->show(std::array{SceneChange{.body = "Venus"}}), InvalidParameter);
-  EXPECT_EQ(session_->scenario().body, "Mars");
+  EXPECT_EQ(session_->sceneFile().body, "Mars");
 }
 
 TEST_F(SessionTest, ShowsStonesWhereEachStimulusHasThem) {
-  Scenario scene = findScenario("buried-stone");
+  SceneFile scene = findSceneFile("buried-stone");
   scene.bed.start = BedStart::kPacked;  // soon at rest
   scene.loop.paced = false;
   scene.hand.manoeuvre = Manoeuvre::kStill;
@@ -383,10 +383,10 @@ TEST_F(SessionTest, ManyChangesAtOnceEndWithTheLast) {
   }
   session_->change({.body = "Ceres"});
   ASSERT_TRUE(soon([&] { return session_->busy().empty(); }));
-  EXPECT_EQ(session_->scenario().preset, "P2");
+  EXPECT_EQ(session_->sceneFile().preset, "P2");
   stop_ = true;
   session_->join();
-  EXPECT_EQ(session_->scene().bed().parameters().soil.mu_hat, session_->scenario().bed.soil.mu_hat);
+  EXPECT_EQ(session_->scene().bed().parameters().soil.mu_hat, session_->sceneFile().bed.soil.mu_hat);
   EXPECT_EQ(session_->scene().bed().parameters().gravity_m_s2.z(), -0.27);
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/soil/strength.h"
 
@@ -52,16 +52,16 @@ TEST(SoilSliders, ContactFrictionSoilHasThoseOfItsContacts) {
   EXPECT_DOUBLE_EQ(withSlider(soil, "contact_friction", 0).contact_friction, 0);
 }
 
-Scenario sceneWith(const std::string& soil_name) {
-  Scenario scenario;
-  changeSoil(scenario, soil_name);
-  return scenario;
+SceneFile sceneWith(const std::string& soil_name) {
+  SceneFile scene_file;
+  changeSoil(scene_file, soil_name);
+  return scene_file;
 }
 
 TEST(SoilSliders, ASoilThatWasCalibratedShowsWhatWasMeasuredOfIt) {
   for (const std::string& name : soilNames()) {
-    const Scenario scenario = sceneWith(name);
-    const auto sliders = slidersOf(scenario.bed.soil, calibrationOf(scenario));
+    const SceneFile scene_file = sceneWith(name);
+    const auto sliders = slidersOf(scene_file.bed.soil, calibrationOf(scene_file));
     ASSERT_EQ(sliders.size(), 2U) << name;
     EXPECT_EQ(sliders[0].key, "friction_angle_deg");
     EXPECT_NEAR(sliders[0].value, findSoil(name).target.friction_angle_deg, 1e-9) << name;
@@ -76,9 +76,9 @@ TEST(SoilSliders, ASoilThatWasCalibratedShowsWhatWasMeasuredOfIt) {
 
 TEST(SoilSliders, ACalibratedSoilTakesDegreesAndPascalsAndKeepsTheOther) {
   for (const std::string& name : soilNames()) {
-    const Scenario scenario = sceneWith(name);
-    const auto calibration = calibrationOf(scenario);
-    const SoilParameters& soil = scenario.bed.soil;
+    const SceneFile scene_file = sceneWith(name);
+    const auto calibration = calibrationOf(scene_file);
+    const SoilParameters& soil = scene_file.bed.soil;
     const ShearStrength before = calibration->of(soil);
     const SoilSlider angle = slidersOf(soil, calibration)[0];
     for (const double angle_deg : {(angle.low + angle.value) / 2, (angle.value + angle.high) / 2}) {
@@ -98,23 +98,23 @@ TEST(SoilSliders, ACalibratedSoilTakesDegreesAndPascalsAndKeepsTheOther) {
 }
 
 TEST(SoilSliders, ACalibrationIsAsGoodForParticlesOfAnotherSize) {
-  Scenario scenario = sceneWith("lunar-0-15cm");
-  scenario.bed.soil = rescaled(scenario.bed.soil, 3.5e-3);
-  const auto calibration = calibrationOf(scenario);
+  SceneFile scene_file = sceneWith("lunar-0-15cm");
+  scene_file.bed.soil = rescaled(scene_file.bed.soil, 3.5e-3);
+  const auto calibration = calibrationOf(scene_file);
   ASSERT_TRUE(calibration);
-  EXPECT_NEAR(calibration->of(scenario.bed.soil).angle_deg, 42, 1e-9);
-  EXPECT_NEAR(calibration->of(scenario.bed.soil).cohesion_pa, 520, 1e-6);
+  EXPECT_NEAR(calibration->of(scene_file.bed.soil).angle_deg, 42, 1e-9);
+  EXPECT_NEAR(calibration->of(scene_file.bed.soil).cohesion_pa, 520, 1e-6);
 }
 
 TEST(SoilSliders, WhereNothingWasCalibratedContactsAreCalledContacts) {
-  Scenario scenario;
-  EXPECT_FALSE(calibrationOf(scenario)) << "a preset";
-  scenario = sceneWith("dry-sand");
-  scenario.bed.soil.stiffness_n_m *= 2;
-  EXPECT_FALSE(calibrationOf(scenario)) << "not the soil of that name any more";
-  scenario = sceneWith("dry-sand");
-  scenario.bed.soil.friction = FrictionModel::kPaper;
-  EXPECT_FALSE(calibrationOf(scenario));
+  SceneFile scene_file;
+  EXPECT_FALSE(calibrationOf(scene_file)) << "a preset";
+  scene_file = sceneWith("dry-sand");
+  scene_file.bed.soil.stiffness_n_m *= 2;
+  EXPECT_FALSE(calibrationOf(scene_file)) << "not the soil of that name any more";
+  scene_file = sceneWith("dry-sand");
+  scene_file.bed.soil.friction = FrictionModel::kPaper;
+  EXPECT_FALSE(calibrationOf(scene_file));
   SoilParameters soil = findPreset("P3").soil;
   soil.friction = FrictionModel::kContact;
   EXPECT_EQ(slidersOf(soil)[0].label, "contact friction");

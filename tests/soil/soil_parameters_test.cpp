@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "haptolith/core/error.h"
@@ -26,33 +26,42 @@ TEST(SoilParameters, MassFillsTheCloseLattice) {
 }
 
 TEST(SoilParameters, NonsenseIsRefusedByName) {
-  const auto refuses = [](const char* key, double SoilParameters::*member, std::initializer_list<double> values) {
-    for (const double value : values) {
-      SoilParameters soil;
-      soil.*member = value;
-      try {
-        validate(soil);
-        ADD_FAILURE() << key << " = " << value << " passed";
-      } catch (const InvalidParameter& error) {
-        EXPECT_EQ(error.key(), key);
-        EXPECT_THAT(error.what(), testing::HasSubstr("must be"));
-      }
+  const auto refuses = [](const SoilNumber& number, double value) {
+    SoilParameters soil;
+    soil.*number.member = value;
+    try {
+      validate(soil);
+      ADD_FAILURE() << number.key << " = " << value << " passed";
+    } catch (const InvalidParameter& error) {
+      EXPECT_EQ(error.key(), number.key);
+      EXPECT_THAT(error.what(), testing::HasSubstr("must be"));
     }
   };
-  const double nan = std::nan("");
-  refuses("radius_m", &SoilParameters::radius_m, {0, -7e-3, nan, kInfinity});
-  refuses("gamma_nm", &SoilParameters::gamma_nm, {0, -4e-5, nan, kInfinity});
-  refuses("rho0_kg_m3", &SoilParameters::rho0_kg_m3, {0, -1330, nan, kInfinity});
-  refuses("rho_max_kg_m3", &SoilParameters::rho_max_kg_m3, {1330, 1000, 0, -1, nan, kInfinity});
-  refuses("mu_hat", &SoilParameters::mu_hat, {-0.1, nan, kInfinity});
-  refuses("stiffness_n_m", &SoilParameters::stiffness_n_m, {0, -100, nan, -kInfinity});
-  refuses("attraction_ratio", &SoilParameters::attraction_ratio, {0.99, 0, -1, nan});
-  refuses("moving_friction_ratio", &SoilParameters::moving_friction_ratio, {-0.1, 1.1, nan});
-  refuses("contact_friction", &SoilParameters::contact_friction, {-0.1, 11, nan, kInfinity});
-  refuses("contact_cohesion_n", &SoilParameters::contact_cohesion_n, {-0.1, nan, kInfinity});
-  refuses("cohesion_range_ratio", &SoilParameters::cohesion_range_ratio, {0, -0.1, 0.6, nan});
-  refuses("tangential_ratio", &SoilParameters::tangential_ratio, {0, -0.1, 1.1, nan});
-  refuses("damping_ratio", &SoilParameters::damping_ratio, {-0.1, 0.6, nan});
+  for (const SoilNumber& number : kSoilNumbers) {
+    refuses(number, std::nan(""));
+    refuses(number, -kInfinity);
+    refuses(number, number.valid.lowest - 1e-6);
+    if (number.valid.ends != Ends::kClosed) {
+      refuses(number, number.valid.lowest);
+    }
+    if (std::isfinite(number.valid.highest)) {
+      refuses(number, 1.01 * number.valid.highest);
+    }
+  }
+  const auto* density = std::ranges::find(kSoilNumbers, "rho_max_kg_m3", &SoilNumber::key);
+  refuses(*density, SoilParameters().rho0_kg_m3);
+}
+
+TEST(SoilNumbers, HaveEveryPlaceOfAStoredFormatOnce) {
+  const auto every_place_once = [](int SoilNumber::*place) {
+    const std::vector<SoilNumber> numbers = soilNumbersBy(place);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      EXPECT_EQ(numbers[i].*place, static_cast<int>(i) + 1) << numbers[i].key;
+    }
+    return numbers.size();
+  };
+  EXPECT_EQ(every_place_once(&SoilNumber::tile_place), kSoilNumbers.size());
+  EXPECT_LT(every_place_once(&SoilNumber::training_place), kSoilNumbers.size());
 }
 
 TEST(SoilParameters, ASpringSofterThanTheHyperbolaIsRefused) {

@@ -9,15 +9,15 @@
 namespace haptolith {
 namespace {
 
-Scenario paperScene(const char* preset = "P3") {
-  Scenario scene;
+SceneFile paperScene(const char* preset = "P3") {
+  SceneFile scene;
   changePreset(scene, preset);
   return scene;
 }
 
 /// Grains without cohesion, and a hand that digs deep and holds the tool firmly.
-Scenario grains(const char* body) {
-  Scenario scene;
+SceneFile grains(const char* body) {
+  SceneFile scene;
   SoilParameters& soil = scene.bed.soil;
   soil.gamma_nm = 6e-5;
   soil.stiffness_n_m = 3000;
@@ -97,7 +97,7 @@ TEST(Exploration, OnlyLiftingCarries) {
 }
 
 TEST(Exploration, FeelsTheWeightOfTheGrainsOnTheTool) {
-  const Scenario earth = grains("Earth");
+  const SceneFile earth = grains("Earth");
   const LevelBed bed = levelBed(earth);
   int right = 0;  // now and then a grain jams between the tool and a wall
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -110,7 +110,7 @@ TEST(Exploration, FeelsTheWeightOfTheGrainsOnTheTool) {
 }
 
 TEST(Exploration, FeelsNoWeightWithoutGravity) {
-  Scenario scene = grains("Moon");
+  SceneFile scene = grains("Moon");
   const LevelBed bed = levelBed(scene);
   scene.bed.gravity_m_s2 = Vec3::Zero();
   const Exploration scoop = explore(scene, bed, {.manoeuvre = Manoeuvre::kScoop, .rounds = 1});
@@ -118,8 +118,8 @@ TEST(Exploration, FeelsNoWeightWithoutGravity) {
 }
 
 /// A built-in scene whose soil is so deep, packed instead of settled: at rest at once.
-Scenario filled(const char* scene, double depth_m) {
-  Scenario filled = findScenario(scene);
+SceneFile filled(const char* scene, double depth_m) {
+  SceneFile filled = findSceneFile(scene);
   filled.bed.start = BedStart::kPacked;
   filled.bed.depth_m = depth_m;
   return filled;
@@ -127,19 +127,19 @@ Scenario filled(const char* scene, double depth_m) {
 
 TEST(Exploration, FeelsHowHighSoilReaches) {
   const auto felt_m = [](double depth_m) {
-    const Scenario scene = filled("soil-surface", depth_m);
+    const SceneFile scene = filled("soil-surface", depth_m);
     const LevelBed bed = levelBed(scene);
     // The tip is half the rod's length below its middle.
     return explore(scene, bed, {.manoeuvre = Manoeuvre::kPress, .rounds = 2}).felt_up_to_m - 0.030 - bed.surface_m;
   };
-  const double radius_m = findScenario("soil-surface").bed.soil.radius_m;
+  const double radius_m = findSceneFile("soil-surface").bed.soil.radius_m;
   for (const double depth_m : {0.028, 0.040, 0.052}) {
     EXPECT_NEAR(felt_m(depth_m), 0, 1.5 * radius_m) << depth_m;
   }
 }
 
 TEST(Exploration, FeelsNoSoilAboveIt) {
-  Scenario above = filled("soil-surface", 0.028);
+  SceneFile above = filled("soil-surface", 0.028);
   above.hand.surface_m = 0.2;
   EXPECT_TRUE(std::isnan(explore(above, {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).felt_up_to_m));
 }
@@ -152,7 +152,7 @@ TEST(Exploration, SeesWhatAScoopWithSidesCarries) {
   const Exploration much = scooped(0.020);
   EXPECT_GT(much.seen.load_m, 1.2 * little.seen.load_m);
   const double volume_m3 = std::pow(much.seen.load_m, 3);
-  EXPECT_NEAR(volume_m3 * findScenario("scoop-load").bed.soil.rho0_kg_m3, much.carried_kg, 1e-12);
+  EXPECT_NEAR(volume_m3 * findSceneFile("scoop-load").bed.soil.rho0_kg_m3, much.carried_kg, 1e-12);
   EXPECT_NEAR(much.carried_n, 9.807 * much.carried_kg, 0.2 * much.carried_n);  // it is still lifting, and losing some
 }
 
@@ -177,7 +177,7 @@ TEST(Picture, IsWhatTheSurfaceDoes) {
 }
 
 TEST(Exploration, MeetsAStoneFromAnySideOfTheBed) {
-  Scenario scene = findScenario("buried-stone");
+  SceneFile scene = findSceneFile("buried-stone");
   scene.bed.start = BedStart::kPacked;
   scene.bed.stones.placed[0].x_m = 0.03;
   scene.hand.period_s = 1;

@@ -104,7 +104,7 @@ TEST(ShippedProtocols, HaveThePapersGravityExperimentWithP4) {
   EXPECT_THAT(values(block.levels), ElementsAre(0.270, 0.625, 1.314, 3.721, 9.807));
   EXPECT_EQ(block.reference.value, 1.625);
   EXPECT_TRUE(block.log_axis);
-  const Scenario mars = sceneOf(protocol, block, block.levels[3]);
+  const SceneFile mars = sceneOf(protocol, block, block.levels[3]);
   EXPECT_EQ(mars.preset, "P4");
   EXPECT_EQ(mars.bed.soil, findPreset("P4").soil);
   EXPECT_DOUBLE_EQ(mars.bed.gravity_m_s2.z(), -3.721);
@@ -207,7 +207,7 @@ TEST(Protocol, SortsLevelsByTheirValues) {
   const StudyBlock& block = protocol.blocks[0];
   EXPECT_THAT(names(block.levels), ElementsAre("30.5", "45"));
   EXPECT_EQ(block.axis_label, "friction angle (°)");
-  const Scenario steep = sceneOf(protocol, block, block.levels[1]);
+  const SceneFile steep = sceneOf(protocol, block, block.levels[1]);
   EXPECT_NEAR(steep.bed.soil.mu_hat * std::sqrt(6), 1.0, 1e-3);  // tan 45 deg; mu_hat = mu / sqrt(6)
 }
 
@@ -217,7 +217,7 @@ TEST(Protocol, VariesTheTangentOfTheFrictionAngle) {
   const StudyBlock& block = protocol.blocks[0];
   EXPECT_THAT(values(block.levels), ElementsAre(0.6, 1));
   EXPECT_EQ(block.axis_label, "friction coefficient, tan φ");
-  const Scenario steep = sceneOf(protocol, block, block.levels[1]);
+  const SceneFile steep = sceneOf(protocol, block, block.levels[1]);
   EXPECT_NEAR(steep.bed.soil.mu_hat * std::sqrt(6), 1.0, 1e-3);  // mu_hat = mu / sqrt(6)
 }
 
@@ -275,7 +275,7 @@ TEST(Protocol, ChangesTheSceneOfABlock) {
   const StudyProtocol protocol = load(kTitle + kNames +
                                       "varies = 'contact_friction'\nreference = 0.5\nlevels = [0.25, "
                                       "1]\n[block.scene]\nsoil = 'lms-1'\nbody = 'Earth'\n");
-  const Scenario scene = sceneOf(protocol, protocol.blocks[0], protocol.blocks[0].levels[0]);
+  const SceneFile scene = sceneOf(protocol, protocol.blocks[0], protocol.blocks[0].levels[0]);
   EXPECT_EQ(scene.bed.soil.contact_friction, 0.25);
   EXPECT_EQ(scene.body, "Earth");
 }

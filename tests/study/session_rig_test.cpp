@@ -20,10 +20,10 @@ using namespace std::chrono_literals;
 class SessionRigTest : public testing::Test {
  protected:
   void SetUp() override {
-    Scenario scenario;
-    scenario.hand.manoeuvre = Manoeuvre::kStill;
-    scenario.loop.paced = false;
-    session_ = std::make_unique<Session>(scenario, true);
+    SceneFile scene_file;
+    scene_file.hand.manoeuvre = Manoeuvre::kStill;
+    scene_file.loop.paced = false;
+    session_ = std::make_unique<Session>(scene_file, true);
     rig_ = std::make_unique<SessionRig>(*session_, SessionRig::Recorder{});
     session_->start(stop_);
   }

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/store/participant_code.h"
 #include "haptolith/study/store/store.h"
 #include "haptolith/study/store/study_files.h"
@@ -217,7 +217,7 @@ TEST_F(StoreRemoval, AStudyOfTheFirstVersionGivesNoCodeASecondTimeEither) {
     database.exec(fmt::format("PRAGMA application_id = {}", kStudyApplicationId));
     SQLite::Statement study(database, "INSERT INTO study VALUES (1, 'A study', ?, ?, 42, 'then')");
     study.bind(1, kTwoBlocks);
-    study.bind(2, scenarioText(Scenario()));
+    study.bind(2, sceneFileText(SceneFile()));
     study.exec();
     database.exec("INSERT INTO participant (number, code, state, begun_at) VALUES (3, 'S07', 'finished', 'then')");
   }

@@ -37,7 +37,7 @@ TEST_F(Store, KeepsTheProtocolItsSceneAndItsSeed) {
   EXPECT_EQ(store.protocolText(), kTwoBlocks);
   ASSERT_EQ(store.protocol().blocks.size(), 2U);
   EXPECT_EQ(store.protocol().blocks[1].name, "gravity");
-  EXPECT_EQ(scenarioText(store.protocol().scene), scenarioText(Scenario()));
+  EXPECT_EQ(sceneFileText(store.protocol().scene), sceneFileText(SceneFile()));
 }
 
 TEST_F(Store, KeepsAnotherSceneThanThePapersWhenItsFileHasGone) {

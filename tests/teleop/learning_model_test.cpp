@@ -54,8 +54,8 @@ class Cutting {
   std::uint64_t now_ = 0;
 };
 
-Scenario digModel() {
-  return readyToLearn(findScenario("dig"));
+SceneFile digModel() {
+  return readyToLearn(findSceneFile("dig"));
 }
 
 TEST(LearningModel, StaysAsItIsWhileNothingIsMetOrAllIsAsItWasFelt) {
@@ -71,7 +71,7 @@ TEST(LearningModel, StaysAsItIsWhileNothingIsMetOrAllIsAsItWasFelt) {
   EXPECT_TRUE(cutting.steps.empty()) << "the tool is in soil";
   cutting.goOn(8000, true);
   ASSERT_FALSE(cutting.steps.empty());
-  const Scenario was = digModel();
+  const SceneFile was = digModel();
   EXPECT_NEAR(cutting.steps.back().contact_friction, was.bed.soil.contact_friction, 0.02);
   EXPECT_NEAR(cutting.steps.back().contact_cohesion_n / was.bed.soil.contact_cohesion_n, 1, 0.1);
   EXPECT_NEAR(cutting.steps.back().tool_friction, was.tool.friction, 0.02);
@@ -170,12 +170,12 @@ TEST(LearningModel, ThinkingBesideTheLoopComesToTheSame) {
 }
 
 TEST(LearningModel, SoilWithoutCohesionMayGetSomeAndThePapersFrictionIsRefused) {
-  Scenario sand = findScenario("dig");
+  SceneFile sand = findSceneFile("dig");
   sand.bed.soil.contact_cohesion_n = 0;
   EXPECT_GT(readyToLearn(sand).bed.soil.contact_cohesion_n, 0);
   EXPECT_LT(readyToLearn(sand).bed.soil.contact_cohesion_n, 1e-5);
-  EXPECT_FALSE(canLearn(findScenario("paper")));
-  EXPECT_THROW((void)readyToLearn(findScenario("paper")), InvalidParameter);
+  EXPECT_FALSE(canLearn(findSceneFile("paper")));
+  EXPECT_THROW((void)readyToLearn(findSceneFile("paper")), InvalidParameter);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ double feltOverMet(const TeleopResult& result, double from_s, double to_s) {
 
 TEST(TeleopSimulation, TheSameBedOnBothSidesGivesTheSameForce) {
   TeleopSetup setup;
-  setup.model = findScenario(
+  setup.model = findSceneFile(
       "dig", std::vector<std::string>{"soil.radius_mm=7", "bed.width_mm=126", "bed.length_mm=126", "hand.period_s=12"});
   setup.model.hand.compliance = HandCompliance::kRigid;
   setup.model.hand.reach_m = 0.02;
@@ -184,10 +184,10 @@ TEST(TeleopSimulation, DelayedForceIsTrueWithoutDelayAndUselessWithIt) {
 // Lunar soil as the model, weaker soil of stiffer grains at the site; large grains, so that it takes seconds.
 TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt) {
   TeleopSetup setup;
-  setup.model = readyToLearn(findScenario(
+  setup.model = readyToLearn(findSceneFile(
       "dig", std::vector<std::string>{"soil.radius_mm=9", "bed.sleep_distance_mm=0.09", "hand.period_s=24"}));
-  setup.site = findScenario("dig-site", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08",
-                                                                 "soil.stiffness_n_m=5000"});
+  setup.site = findSceneFile("dig-site", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08",
+                                                                  "soil.stiffness_n_m=5000"});
   setup.up.delay_s = setup.down.delay_s = 0.2;
   setup.duration_s = 7;
   const TeleopResult stays = simulateTeleop(setup);
@@ -213,8 +213,8 @@ TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt)
 
 TEST(TeleopSimulation, AModelsSurfaceIsMendedWhileTheToolIsInTheAir) {
   TeleopSetup setup;
-  setup.model = findScenario("dig", std::vector<std::string>{"soil.radius_mm=10", "hand.period_s=12"});
-  setup.site = findScenario("dig-site", std::vector<std::string>{"soil.radius_mm=10", "soil.stiffness_n_m=3000"});
+  setup.model = findSceneFile("dig", std::vector<std::string>{"soil.radius_mm=10", "hand.period_s=12"});
+  setup.site = findSceneFile("dig-site", std::vector<std::string>{"soil.radius_mm=10", "soil.stiffness_n_m=3000"});
   setup.duration_s = 12;
   const TeleopResult left = simulateTeleop(setup);
   setup.mends = true;
@@ -267,7 +267,7 @@ TEST(TeleopSimulation, WhoFeelsNothingGoesByWhatTheRobotMet) {
   setup.mends = true;
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter) << "nor to mend";
   setup.feedback = Feedback::kModel;
-  setup.model = findScenario("fine-grains");
+  setup.model = findSceneFile("fine-grains");
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter) << "of several sizes";
 }
 

@@ -13,13 +13,13 @@ namespace haptolith {
 namespace {
 
 /// Grains of 6 mm, of which there are fewer: 35.3 degrees and 158 Pa by their own shear tests.
-Scenario siteOfCoarseGrains() {
+SceneFile siteOfCoarseGrains() {
   const std::vector<std::string> coarse{"soil.radius_mm=6", "soil.stiffness_n_m=4000"};
-  return findScenario("dig-site", coarse);
+  return findSceneFile("dig-site", coarse);
 }
 
 TEST(SiteProbe, ARobotTellsTheSoilOfItsSite) {
-  const Scenario site = siteOfCoarseGrains();
+  const SceneFile site = siteOfCoarseGrains();
   const Training& training = probeTraining();
   const ProbedSoil probed = probeSite(site, {}, training);
   EXPECT_GE(probed.windows, probed.of_windows * 9 / 10) << "its arm yields";
@@ -30,13 +30,13 @@ TEST(SiteProbe, ARobotTellsTheSoilOfItsSite) {
   EXPECT_LT(probed.belief.misfit, kStrange);
 
   const StrengthMap strengths(training.runs);
-  const Scenario model = findScenario("dig");
-  const Scenario better = withBelievedSoil(model, probed.belief, strengths);
+  const SceneFile model = findSceneFile("dig");
+  const SceneFile better = withBelievedSoil(model, probed.belief, strengths);
   EXPECT_EQ(better.bed.soil.radius_m, model.bed.soil.radius_m) << "the operator's own grains";
   EXPECT_NEAR(strengths.of(better.bed.soil).angle_deg, probed.belief.friction_angle_deg.middle, 0.1);
   EXPECT_NEAR(strengths.of(better.bed.soil).cohesion_pa, probed.belief.cohesion_pa.middle, 1);
   EXPECT_NO_THROW(validate(better));
-  EXPECT_THROW((void)withBelievedSoil(findScenario("paper"), probed.belief, strengths), InvalidParameter);
+  EXPECT_THROW((void)withBelievedSoil(findSceneFile("paper"), probed.belief, strengths), InvalidParameter);
 }
 
 TEST(SiteProbe, EndsWhereNobodyWantsIt) {

@@ -27,7 +27,7 @@ bool soon(const std::function<bool()>& is_so) {
 }
 
 TEST(RobotBehindLink, FollowsAnOperatorWhoHearsOfItADelayLater) {
-  const Scenario site;
+  const SceneFile site;
   LinkParameters way;
   way.delay_s = 0.15;
   RobotBehindLink robot(site, std::make_unique<Scene>(site.bed, site.tool), way, way);
@@ -47,7 +47,7 @@ TEST(RobotBehindLink, FollowsAnOperatorWhoHearsOfItADelayLater) {
 }
 
 TEST(RobotBehindLink, RefusesALinkThatThereCannotBe) {
-  const Scenario site;
+  const SceneFile site;
   LinkParameters way;
   way.delay_s = -1;
   EXPECT_THROW(RobotBehindLink(site, std::make_unique<Scene>(site.bed, site.tool), way, way), InvalidParameter);

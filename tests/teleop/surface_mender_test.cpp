@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
 #include "haptolith/scene/scene.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -17,9 +17,9 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 const HandState kAway{{{{0, 0, 1}, Quat::Identity()}, {}}};
 
-Scenario dig() {
+SceneFile dig() {
   const std::vector<std::string> coarser{"soil.radius_mm=8"};
-  return findScenario("dig", coarser);
+  return findSceneFile("dig", coarser);
 }
 
 /// A bed without a tool in it, and heights of its soil in cells of 10 mm.
@@ -225,7 +225,7 @@ TEST(SurfaceMender, HoldsOutWhateverMapItIsGiven) {
 
 TEST(SurfaceMender, IsForGrainsOfOneSize) {
   EXPECT_TRUE(canMend(dig().bed));
-  EXPECT_FALSE(canMend(findScenario("fine-grains").bed));
+  EXPECT_FALSE(canMend(findSceneFile("fine-grains").bed));
 }
 
 }  // namespace

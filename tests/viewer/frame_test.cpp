@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "haptolith/haptics/loop/haptic_loop.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "../source_dir.h"
 
@@ -275,7 +275,7 @@ class TurnedDevice final : public HapticDevice {
 };
 
 TEST(Frame, ShowsWhatATurnedDeviceIsSentInTheScenesAxes) {
-  const Scenario paper;
+  const SceneFile paper;
   Scene scene(paper.bed, paper.tool);
   TurnedDevice device;
   LoopParameters unpaced;

@@ -19,7 +19,7 @@
 
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/presets.h"
 #include "haptolith/tool/tool_mesh.h"
 #include "haptolith/viewer/messages.h"
@@ -76,10 +76,10 @@ class LiveViewTest : public testing::Test {
  protected:
   explicit LiveViewTest(bool has_extension = false, LiveView::Clients clients = LiveView::Clients::kCommand,
                         std::unique_ptr<HapticDevice> device = nullptr) {
-    Scenario scenario;
-    scenario.hand.manoeuvre = Manoeuvre::kStill;
-    scenario.loop.paced = false;
-    session_ = std::make_unique<Session>(scenario, false, SettleProgress{}, std::move(device));
+    SceneFile scene_file;
+    scene_file.hand.manoeuvre = Manoeuvre::kStill;
+    scene_file.loop.paced = false;
+    session_ = std::make_unique<Session>(scene_file, false, SettleProgress{}, std::move(device));
     view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0, .takes_uploads = true}, "test",
                                        LiveView::Recorder{.start =
                                                               [this] {
@@ -141,13 +141,14 @@ class LiveViewTest : public testing::Test {
 };
 
 TEST(SceneMessage, TellsHowManyGrainsThereAreOfEachSize) {
-  Scenario scenario;
-  scenario.bed.soil.friction = FrictionModel::kContact;
-  scenario.bed.width_m = scenario.bed.length_m = 0.1;
-  scenario.bed.start = BedStart::kRain;
-  scenario.bed.particles = 100;
-  scenario.bed.grading = {.fine_radius_m = 0.0035, .fine_width_m = 0.02, .fine_length_m = 0.02, .fine_depth_m = 0.015};
-  const Session session(scenario, false, SettleProgress{});
+  SceneFile scene_file;
+  scene_file.bed.soil.friction = FrictionModel::kContact;
+  scene_file.bed.width_m = scene_file.bed.length_m = 0.1;
+  scene_file.bed.start = BedStart::kRain;
+  scene_file.bed.particles = 100;
+  scene_file.bed.grading = {
+      .fine_radius_m = 0.0035, .fine_width_m = 0.02, .fine_length_m = 0.02, .fine_depth_m = 0.015};
+  const Session session(scene_file, false, SettleProgress{});
   const Json scene = Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole);
   const Json& grains = scene["grains"];
   ASSERT_EQ(grains.size(), 2U);
@@ -163,32 +164,32 @@ TEST(SceneMessage, TellsHowManyGrainsThereAreOfEachSize) {
 }
 
 TEST(SceneMessage, TellsOfANamedSoilWhatWasMeasuredAndNotItsParameters) {
-  const auto soil_of = [](const Scenario& wanted) {
-    const SceneLookedAt shown{.scenario = wanted, .soil = wanted.bed.soil, .grains = {}, .low_m = {}, .high_m = {}};
+  const auto soil_of = [](const SceneFile& wanted) {
+    const SceneLookedAt shown{.scene_file = wanted, .soil = wanted.bed.soil, .grains = {}, .low_m = {}, .high_m = {}};
     return Json::parse(sceneMessages(shown, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole)["soil"];
   };
-  Scenario scenario = findScenario("regolith");
-  const SoilTarget measured = findSoil(scenario.soil_name).target;
-  EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], measured.bulk_density_kg_m3);
-  EXPECT_EQ(soil_of(scenario)["friction_angle_deg"], measured.friction_angle_deg);
-  scenario.bed.soil.contact_friction *= 1.5;
-  EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], measured.bulk_density_kg_m3) << "it lies there as before";
-  EXPECT_EQ(soil_of(scenario)["friction_angle_deg"], nullptr);
-  scenario.bed.soil.rho0_kg_m3 *= 1.1;
-  EXPECT_EQ(soil_of(scenario)["bulk_density_kg_m3"], nullptr) << "nobody has measured this one";
-  EXPECT_NEAR(soil_of(Scenario{})["bulk_density_kg_m3"].get<double>(), 1501, 20) << "Table I, not rho0";
+  SceneFile scene_file = findSceneFile("regolith");
+  const SoilTarget measured = findSoil(scene_file.soil_name).target;
+  EXPECT_EQ(soil_of(scene_file)["bulk_density_kg_m3"], measured.bulk_density_kg_m3);
+  EXPECT_EQ(soil_of(scene_file)["friction_angle_deg"], measured.friction_angle_deg);
+  scene_file.bed.soil.contact_friction *= 1.5;
+  EXPECT_EQ(soil_of(scene_file)["bulk_density_kg_m3"], measured.bulk_density_kg_m3) << "it lies there as before";
+  EXPECT_EQ(soil_of(scene_file)["friction_angle_deg"], nullptr);
+  scene_file.bed.soil.rho0_kg_m3 *= 1.1;
+  EXPECT_EQ(soil_of(scene_file)["bulk_density_kg_m3"], nullptr) << "nobody has measured this one";
+  EXPECT_NEAR(soil_of(SceneFile{})["bulk_density_kg_m3"].get<double>(), 1501, 20) << "Table I, not rho0";
 }
 
 TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {
-  Scenario scenario = scenarioFromText("[tool]\nname = 'rake'\n", "x.toml");
-  const auto tool_of = [](const Scenario& shown) {
+  SceneFile scene_file = sceneFileFromText("[tool]\nname = 'rake'\n", "x.toml");
+  const auto tool_of = [](const SceneFile& shown) {
     const Session session(shown, false, SettleProgress{});
     return Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole)["tool"];
   };
-  const Json rake = tool_of(scenario);
+  const Json rake = tool_of(scene_file);
   EXPECT_EQ(rake["shape"], "mesh");
   EXPECT_EQ(rake["mesh"]["name"], "rake");
-  const TriangleMesh& surface = scenario.tool.mesh->surface;
+  const TriangleMesh& surface = scene_file.tool.mesh->surface;
   const std::string points = fromBase64(rake["mesh"]["points_base64"].get<std::string>()).value();
   const std::string triangles = fromBase64(rake["mesh"]["triangles_base64"].get<std::string>()).value();
   ASSERT_EQ(points.size(), 12 * surface.points_m.size());
@@ -196,13 +197,13 @@ TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {
   float first_m = 0;
   std::memcpy(&first_m, points.data(), sizeof first_m);
   EXPECT_EQ(first_m, static_cast<float>(surface.points_m.front().x()));
-  scenario.tool.shape = ToolShape::kSphere;
-  EXPECT_EQ(tool_of(scenario)["mesh"], rake["mesh"]);
-  EXPECT_EQ(tool_of(Scenario())["mesh"], nullptr);
+  scene_file.tool.shape = ToolShape::kSphere;
+  EXPECT_EQ(tool_of(scene_file)["mesh"], rake["mesh"]);
+  EXPECT_EQ(tool_of(SceneFile())["mesh"], nullptr);
 }
 
 TEST(SceneMessage, HasStonesOnlyWhereThereAreAny) {
-  const Session session(Scenario(), false, SettleProgress{});
+  const Session session(SceneFile(), false, SettleProgress{});
   EXPECT_FALSE(Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole).contains("stones"));
 }
 

@@ -7,7 +7,7 @@
 
 #include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "identify/identify_commands.h"
 #include "identify/measured_options.h"
@@ -37,7 +37,7 @@ struct ProbeOptions {
 Vec3 originIn(const std::string& scene) {
   const StopOnSignal stop;
   StatusLine status;
-  const Bed bed(findScenario(scene).bed, settlingIn(status));
+  const Bed bed(findSceneFile(scene).bed, settlingIn(status));
   return {0, 0, meanSurfaceHeight(bed)};
 }
 

@@ -6,7 +6,7 @@
 
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/identify/soil_belief.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 
 #include "identify/belief_report.h"
 #include "identify/identify_commands.h"

@@ -14,8 +14,8 @@
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/device/hand/pose_file.h"
 #include "haptolith/identify/training/training_file.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_words.h"
 
 #include "shared/kept_work.h"
 #include "shared/option_checks.h"
@@ -80,7 +80,7 @@ Dig digFor(const MovementOptions& options) {
   ToolParameters tool;
   DiggingField field;
   if (!options.scene_file.empty() || !options.overrides.empty()) {
-    const Scenario scene = findScenario(options.scene_file.empty() ? "field" : options.scene_file, options.overrides);
+    const SceneFile scene = findSceneFile(options.scene_file.empty() ? "field" : options.scene_file, options.overrides);
     tool = scene.tool;
     field.width_m = scene.bed.width_m;
     field.length_m = scene.bed.length_m;

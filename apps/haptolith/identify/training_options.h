@@ -32,7 +32,7 @@ struct Dig {
   DiggingField field;
 };
 
-/// @throws InvalidParameter, Failure: as findScenario(), PoseFile::read() and probeMovement().
+/// @throws InvalidParameter, Failure: as findSceneFile(), PoseFile::read() and probeMovement().
 [[nodiscard]] Dig digFor(const MovementOptions& options);
 
 /// Soils that are dug in and kept in a file as soon as each is done.

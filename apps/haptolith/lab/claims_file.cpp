@@ -9,8 +9,8 @@
 #include "haptolith/core/error.h"
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
-#include "haptolith/scenario/toml/file_keys.h"
-#include "haptolith/scenario/toml/toml_reader.h"
+#include "haptolith/scene_file/toml/file_keys.h"
+#include "haptolith/scene_file/toml/toml_reader.h"
 #include "haptolith/soil/bodies.h"
 
 #include "lab/built_in_claims.h"
@@ -142,7 +142,7 @@ std::vector<MeasuredClaim> claimsIn(const TomlReader& reader) {
   for (const TomlReader& part : reader.parts("claim")) {
     try {
       claims.push_back(claimIn(part));
-    } catch (const ScenarioError&) {
+    } catch (const TomlError&) {
       throw;
     } catch (const InvalidParameter& error) {
       part.refuse(part.line(), error.what());

@@ -33,7 +33,7 @@ struct MeasuredClaim {
   bool any_soil = false;             ///< whether it is a claim about soil of any kind
 };
 
-/// Reads the claims of a file (docs/laboratory.md); soil files that it names lie beside it. @throws ScenarioError for
+/// Reads the claims of a file (docs/laboratory.md); soil files that it names lie beside it. @throws TomlError for
 /// what is wrong in it, with its line; Failure when it cannot be read.
 [[nodiscard]] std::vector<MeasuredClaim> readClaims(const std::filesystem::path& path);
 

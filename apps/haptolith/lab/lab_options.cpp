@@ -11,10 +11,10 @@
 
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/overloaded.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file.h"
-#include "haptolith/scenario/soil_file_keys.h"
-#include "haptolith/scenario/toml/toml_writer.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/soil_file.h"
+#include "haptolith/scene_file/soil_file_keys.h"
+#include "haptolith/scene_file/toml/toml_writer.h"
 #include "haptolith/soil/bodies.h"
 
 #include "shared/option_checks.h"
@@ -126,10 +126,10 @@ std::string circumstancesText(const LabOptions& options, const LabSoil& soil, co
 }
 
 nlohmann::ordered_json soilJson(const SoilParameters& soil) {
-  Scenario scene;
+  SceneFile scene;
   scene.bed.soil = soil;
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (const ScenarioKey& key : soilKeys()) {
+  for (const SceneFileKey& key : soilKeys()) {
     const std::string line = tomlLine(key, scene);
     if (const std::size_t equals = line.find(" = "); equals != std::string::npos && key.name != "friction") {
       json[std::string(key.name)] = line.substr(equals + 3, line.size() - equals - 4);

@@ -23,7 +23,7 @@
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/report/report_page.h"
 #include "haptolith/lab/report/specimen_statistics.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/bodies.h"
 
 #include "commands.h"

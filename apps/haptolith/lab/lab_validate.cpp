@@ -19,8 +19,8 @@
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/lab/report/validation.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/bodies.h"
 
 #include "commands.h"

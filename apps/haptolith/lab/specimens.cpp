@@ -17,7 +17,7 @@
 #include "haptolith/lab/archive/json_differences.h"
 #include "haptolith/lab/archive/report_results.h"
 #include "haptolith/lab/report/specimen_statistics.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 
 namespace haptolith {
 

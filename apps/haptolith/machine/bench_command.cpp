@@ -17,8 +17,8 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_words.h"
 
 #include "commands.h"
 #include "lab/lab_options.h"
@@ -168,7 +168,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   std::vector<BenchScene> scenes;
   for (const std::string& file : options.scenes) {
     for (const int threads : options.threads) {
-      const Scenario scene = findScenario(file);
+      const SceneFile scene = findSceneFile(file);
       scenes.push_back({fmt::format("{}, {}", file, pluralise(threads, "thread")), scene.bed, scene.tool, scene.hand});
       BedParameters& bed = scenes.back().bed;
       bed.threads = threads;

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "haptolith/device/drivers/open_device.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 
 #include "commands.h"
 #include "shared/output.h"

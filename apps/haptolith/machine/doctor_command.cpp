@@ -16,7 +16,7 @@
 #include "haptolith/machine/machine_fit.h"
 #include "haptolith/machine/machine_summary.h"
 #include "haptolith/machine/real_time_checks.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "commands.h"
 #include "shared/histogram_json.h"
@@ -202,7 +202,7 @@ std::optional<FinestSoil> finestSoil(const DoctorOptions& options) {
   }
   StatusLine status;
   status.update("how fine may soil be on this machine?");
-  Scenario scene = findScenario(std::string(kAutoScene));
+  SceneFile scene = findSceneFile(std::string(kAutoScene));
   scene.loop.cpu = options.cpu;
   try {
     const FinestGrain found = fitToMachine(

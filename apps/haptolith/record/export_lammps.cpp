@@ -10,7 +10,7 @@
 #include "haptolith/core/files/atomic_folder.h"
 #include "haptolith/lammps/lammps_export.h"
 #include "haptolith/recording/replay.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/tool/tool_contact.h"
 
@@ -35,12 +35,12 @@ fs::path folderFor(const LammpsExportOptions& options) {
   return (file.has_extension() ? fs::path(file).replace_extension() : file).filename().string() + "-lammps";
 }
 
-double stepOf(const Scenario& scene, bool has_tool) {
+double stepOf(const SceneFile& scene, bool has_tool) {
   const double tool = has_tool ? stiffnessInStep(scene.tool, scene.bed.soil.friction) : 0;
   return scene.bed.tick_s / substepsFor(scene.bed, tool);
 }
 
-void write(const LammpsExportOptions& options, const Scenario& scene, const Bed& bed, LammpsRun run) {
+void write(const LammpsExportOptions& options, const SceneFile& scene, const Bed& bed, LammpsRun run) {
   run.title = scene.title;
   run.program = "haptolith " HAPTOLITH_VERSION;
   run.law = options.own_law ? LammpsLaw::kOwn : LammpsLaw::kOfStyles;
@@ -51,7 +51,7 @@ void write(const LammpsExportOptions& options, const Scenario& scene, const Bed&
     folder.write("rest.table", files.table);
   }
   folder.write("in.haptolith", files.input());
-  folder.write("scene.toml", scenarioText(scene));
+  folder.write("scene.toml", sceneFileText(scene));
   folder.commit();
   printText(savedText(folder.path(), files.tool_spheres > 0 ? fmt::format("{} grains and a tool of {} spheres",
                                                                           bed.particles(), files.tool_spheres)
@@ -74,7 +74,7 @@ void exportScene(const LammpsExportOptions& options) {
   if (options.from_s != 0) {
     throw InvalidParameter("from-s", fmt::format("{:g}", options.from_s), "left out: a scene has no times");
   }
-  const Scenario scene = findScenario(options.file, options.overrides);
+  const SceneFile scene = findSceneFile(options.file, options.overrides);
   validate(scene);
   StatusLine status;
   const Bed bed(scene.bed, settlingIn(status));
@@ -131,7 +131,7 @@ void exportRecorded(const LammpsExportOptions& options) {
     }
   }
   status.clear();
-  const Scenario& scene = replay.scenario();
+  const SceneFile& scene = replay.sceneFile();
   write(options, scene, replay.loop().shownScene().scene.bed(),
         {.dt_s = stepOf(scene, true), .tool = &scene.tool, .path = path});
 }

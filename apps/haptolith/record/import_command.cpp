@@ -15,7 +15,7 @@
 #include "haptolith/core/pluralise.h"
 #include "haptolith/lammps/lammps_dump.h"
 #include "haptolith/lammps/lammps_export.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "commands.h"
 #include "shared/option_checks.h"
@@ -43,9 +43,9 @@ struct ImportOptions {
 };
 
 /// The scene that the dump's bed is of: that beside it where nobody says.
-Scenario sceneOf(const ImportOptions& options) {
+SceneFile sceneOf(const ImportOptions& options) {
   if (!options.scene.empty()) {
-    return findScenario(options.scene);
+    return findSceneFile(options.scene);
   }
   const fs::path beside = fs::path(options.file).parent_path() / "scene.toml";
   std::error_code ignored;
@@ -55,7 +55,7 @@ Scenario sceneOf(const ImportOptions& options) {
                                        "--format lammps` writes",
                                        beside.string()));
   }
-  return findScenario(beside.string());
+  return findSceneFile(beside.string());
 }
 
 /// A bed as a table; the soil first, then what is held. What is neither (a tool) is left out.
@@ -80,7 +80,7 @@ void importDump(const ImportOptions& options) {
   }
   const fs::path table = fs::path(out).replace_extension(".csv");
   AtomicFile scene_file(options.overwrite(out.string())), table_file(options.overwrite(table.string()));
-  Scenario scene = sceneOf(options);
+  SceneFile scene = sceneOf(options);
   StatusLine status;
   const LammpsPicture picture = readLammpsDump(options.file, options.picture, [&](std::size_t passed) {
     status.tell([&] { return pluralise(passed, "picture") + " read"; });
@@ -99,7 +99,7 @@ void importDump(const ImportOptions& options) {
   table_file.write(tableOf(picture));
   table_file.commit();
   scene.title = fmt::format("Step {} of {}", picture.step, fs::path(options.file).filename().string());
-  scene_file.write(scenarioTextWithGrains(scene, table.filename().string()));
+  scene_file.write(sceneFileTextWithGrains(scene, table.filename().string()));
   scene_file.commit();
   printText(savedText(
       table, fmt::format("{} of picture {}, step {}", pluralise(taken, "grain"), picture.number, picture.step)));

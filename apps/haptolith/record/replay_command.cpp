@@ -46,9 +46,9 @@ std::string gapText(const ReplayGap& gap) {
 
 std::string summary(const ReplayOptions& options, const RecordingReader& recording, const Replay& replay,
                     const ReplayResult& result) {
-  const int threads = replay.scenario().bed.threads;
+  const int threads = replay.sceneFile().bed.threads;
   std::string text =
-      fmt::format("{}\n  replayed   {} of {}, {} compared ({}, {})\n", replay.scenario().title, result.ticks,
+      fmt::format("{}\n  replayed   {} of {}, {} compared ({}, {})\n", replay.sceneFile().title, result.ticks,
                   pluralise(recording.ticks(), "tick"), pluralise(result.hashes, "hash", "hashes"), simdTarget(),
                   pluralise(threads, "thread"));
   if (result.difference) {
@@ -71,7 +71,7 @@ Json summaryJson(const RecordingReader& recording, const Replay& replay, const R
     difference = {
         {"tick", result.difference->tick}, {"time_s", result.difference->time_s}, {"what", result.difference->what}};
   }
-  return {{"title", replay.scenario().title},
+  return {{"title", replay.sceneFile().title},
           {"recorded_ticks", recording.ticks()},
           {"replayed_ticks", result.ticks},
           {"hashes", result.hashes},
@@ -81,7 +81,7 @@ Json summaryJson(const RecordingReader& recording, const Replay& replay, const R
           {"ended_early", result.ended_early},
           {"recorded_simd", recording.header().instruction_set},
           {"simd", simdTarget()},
-          {"threads", replay.scenario().bed.threads}};
+          {"threads", replay.sceneFile().bed.threads}};
 }
 
 void replay(const ReplayOptions& options) {

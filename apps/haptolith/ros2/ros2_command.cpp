@@ -45,13 +45,13 @@ struct SceneOverRos2 {
 
 class Ros2Companion final : public RunCompanion {
  public:
-  Ros2Companion(const SceneOverRos2& options, const Scenario& scenario, bool takes_target)
-      : options_(options), takes_target_(takes_target), hand_(scenario.hand), tick_s_(scenario.loop.tick_s) {
-    const BedParameters& bed = scenario.bed;
+  Ros2Companion(const SceneOverRos2& options, const SceneFile& scene_file, bool takes_target)
+      : options_(options), takes_target_(takes_target), hand_(scene_file.hand), tick_s_(scene_file.loop.tick_s) {
+    const BedParameters& bed = scene_file.bed;
     target_.fresh_s = options.timeout_s;
     target_.low_m = {-bed.width_m / 2 - kBeside_m, -bed.length_m / 2 - kBeside_m, 0};
     target_.high_m = {bed.width_m / 2 + kBeside_m, bed.length_m / 2 + kBeside_m, bed.depth_m + kAboveSoil_m};
-    if (takes_target && !scenario.loop.paced) {
+    if (takes_target && !scene_file.loop.paced) {
       throw InvalidParameter("paced", "false", "true (without --unpaced) while targets of ROS 2 move the tool");
     }
     node_.emplace(options.ros2.node);
@@ -137,10 +137,10 @@ void addRos2Command(CLI::App& app) {
   command->add_option("--surface-hz", options->surface_hz, "Pictures of the soil a second; 0: none [5]")
       ->check(numberIn({0, 30}))
       ->option_text("HZ");
-  addRunOptions(*command, [options](Scenario& scenario, const SceneOptions& asked) {
+  addRunOptions(*command, [options](SceneFile& scene_file, const SceneOptions& asked) {
     const bool somebody =
-        asked.device.kind || asked.manoeuvre || asked.poses_file || scenario.device.kind != DeviceKind::kVirtualHand;
-    return std::make_unique<Ros2Companion>(*options, scenario, !somebody);
+        asked.device.kind || asked.manoeuvre || asked.poses_file || scene_file.device.kind != DeviceKind::kVirtualHand;
+    return std::make_unique<Ros2Companion>(*options, scene_file, !somebody);
   });
 }
 

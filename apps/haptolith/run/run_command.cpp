@@ -23,9 +23,9 @@
 #include "haptolith/haptics/loop/stiffness_check.h"
 #include "haptolith/machine/deadline_report.h"
 #include "haptolith/machine/machine_fit.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/live_view.h"
 #include "haptolith/viewer/waiting_page.h"
@@ -66,7 +66,7 @@ constexpr const char* kRunExamples = R"(Examples:
   haptolith run --device force-dimension            feel it (haptolith devices, haptolith doctor)
   haptolith run --duration-s 60 --record run.h5     for haptolith replay and haptolith export)";
 
-/// What the command line says; everything else comes from the scenario.
+/// What the command line says; everything else comes from the scene file.
 struct RunOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
@@ -82,51 +82,51 @@ struct RunOptions {
   CompanionFactory companion;  ///< empty: none
 };
 
-Scenario scenarioFor(const RunOptions& options) {
-  Scenario scenario = scenarioFor(options.scene);
-  scenario.loop.duration_s = options.duration_s.value_or(scenario.loop.duration_s);
-  scenario.loop.paced = scenario.loop.paced && !options.unpaced;
-  scenario.loop.cpu = options.cpu.value_or(scenario.loop.cpu);
-  validate(scenario);
-  requireUsableCpu(scenario.loop.cpu);
-  return scenario;
+SceneFile sceneFileFor(const RunOptions& options) {
+  SceneFile scene_file = sceneFileFor(options.scene);
+  scene_file.loop.duration_s = options.duration_s.value_or(scene_file.loop.duration_s);
+  scene_file.loop.paced = scene_file.loop.paced && !options.unpaced;
+  scene_file.loop.cpu = options.cpu.value_or(scene_file.loop.cpu);
+  validate(scene_file);
+  requireUsableCpu(scene_file.loop.cpu);
+  return scene_file;
 }
 
 /// What the machine allows, where the scene leaves its particles to it: `auto` does unless their radius is given, and
 /// any other with --finest.
-std::optional<FinestGrain> fitted(Scenario& scenario, const RunOptions& options) {
+std::optional<FinestGrain> fitted(SceneFile& scene_file, const RunOptions& options) {
   const SceneOptions& asked = options.scene;
   const bool has_radius = setsKey(asked.overrides, "soil.radius_mm");
   const bool has_threads = asked.threads || setsKey(asked.overrides, "bed.threads");
   const bool is_auto = asked.scene() == kAutoScene;
-  if (!options.finest && (!is_auto || has_radius || !canBeFitted(scenario))) {
+  if (!options.finest && (!is_auto || has_radius || !canBeFitted(scene_file))) {
     if (is_auto && !has_threads) {
-      scenario.bed.threads = std::min(2, loopThreads());
+      scene_file.bed.threads = std::min(2, loopThreads());
     }
     return std::nullopt;
   }
   StatusLine status;
-  const std::string before = sceneInWords(scenario);
+  const std::string before = sceneInWords(scene_file);
   const FinestGrain found =
-      fitToMachine(scenario,
-                   {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scenario.bed.threads),
+      fitToMachine(scene_file,
+                   {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scene_file.bed.threads),
                     .folder = tileFolder(),
                     .measure_again = options.measure_again,
                     .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
                    stopAsked());
   if (!is_auto) {
-    retitle(scenario, before);
+    retitle(scene_file, before);
   }
   return found;
 }
 
 /// Chooses the particles, and takes the steps that --coarser asks for.
-std::optional<FinestGrain> chooseParticles(Scenario& scenario, const RunOptions& options) {
-  std::optional<FinestGrain> finest = fitted(scenario, options);
+std::optional<FinestGrain> chooseParticles(SceneFile& scene_file, const RunOptions& options) {
+  std::optional<FinestGrain> finest = fitted(scene_file, options);
   for (int step = 0; step < options.coarser; ++step) {
-    makeCoarser(scenario);
+    makeCoarser(scene_file);
   }
-  validate(scenario);
+  validate(scene_file);
   return finest;
 }
 
@@ -159,8 +159,8 @@ void requireRecordingName(const std::filesystem::path& file) {
 /// Everything that follows the loop from a distance: trace, history for the figure, the status line.
 class Follower {
  public:
-  Follower(const RunOptions& options, const Scenario& scenario, RunCompanion* companion)
-      : scenario_(scenario),
+  Follower(const RunOptions& options, const SceneFile& scene_file, RunCompanion* companion)
+      : scene_file_(scene_file),
         companion_(companion),
         keep_history_(!options.figure_file.empty()),
         recording_(recordingFor(options.frames_per_s, companion != nullptr && companion->leadsRobot())) {
@@ -241,17 +241,17 @@ class Follower {
   }
 
   [[nodiscard]] std::string statusText(const SceneSnapshot& now) const {
-    const double wanted = scenario_.loop.duration_s;
-    const std::string deadlines = scenario_.loop.paced ? fmt::format("  in time {:5.1f} %  misses {}",
-                                                                     100 * now.success_rate, now.deadline_misses)
-                                                       : "";
+    const double wanted = scene_file_.loop.duration_s;
+    const std::string deadlines = scene_file_.loop.paced ? fmt::format("  in time {:5.1f} %  misses {}",
+                                                                       100 * now.success_rate, now.deadline_misses)
+                                                         : "";
     return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
                        wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
                        now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.device_wrench.force_n.norm(),
                        now.tick_us_p99, deadlines, now.awake);
   }
 
-  const Scenario& scenario_;
+  const SceneFile& scene_file_;
   RunCompanion* companion_;
   bool keep_history_;
   std::optional<TraceFile> trace_;
@@ -272,9 +272,9 @@ struct RunSummary {
 };
 
 /// How to open the same scene with soil that is a little coarser.
-std::string coarserSoil(const RunOptions& options, const Scenario& shown) {
+std::string coarserSoil(const RunOptions& options, const SceneFile& shown) {
   constexpr double kCoarser = 1.15;
-  if (!options.scene.scenario_file.empty() || options.scene.preset) {
+  if (!options.scene.name_or_file.empty() || options.scene.preset) {
     return fmt::format("--set soil.radius_mm={:.2g}", kCoarser * 1e3 * shown.bed.soil.radius_m);
   }
   std::string command = "haptolith run";
@@ -301,32 +301,34 @@ Json finestJson(const std::optional<FinestGrain>& finest) {
                 : Json(nullptr);
 }
 
-Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
+Json summaryJson(const SceneFile& scene_file, const Scene& scene, const HapticLoop& loop, const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
-  const auto misses = [&](Miss cause) { return scenario.loop.paced ? Json(statistics.misses(cause)) : Json(nullptr); };
-  return {{"title", scenario.title},
-          {"preset", scenario.preset},
-          {"soil", scenario.soil_name.empty() ? Json(nullptr) : Json(scenario.soil_name)},
-          {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)},
-          {"body", scenario.body},
+  const auto misses = [&](Miss cause) {
+    return scene_file.loop.paced ? Json(statistics.misses(cause)) : Json(nullptr);
+  };
+  return {{"title", scene_file.title},
+          {"preset", scene_file.preset},
+          {"soil", scene_file.soil_name.empty() ? Json(nullptr) : Json(scene_file.soil_name)},
+          {"friction", wordFor(kFrictionWords, scene_file.bed.soil.friction)},
+          {"body", scene_file.body},
           {"particles", scene.bed().particles()},
           {"finest", finestJson(summary.finest)},
           {"held", scene.bed().heldParticles()},  // for ever, where the box ends
           {"awake", scene.bed().awake()},
           {"substeps", scene.substeps()},
-          {"threads", scenario.bed.threads},
+          {"threads", scene_file.bed.threads},
           {"simd", simdTarget()},
           {"ticks", statistics.ticks()},
           {"duration_s", loop.time()},
           {"ended", text(summary.end)},
           {"tick_us", histogramJsonWithBuckets(statistics.tickUs())},
-          {"late_us", scenario.loop.paced ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
-          {"deadline_misses", scenario.loop.paced ? Json(statistics.deadlineMisses()) : Json(nullptr)},
+          {"late_us", scene_file.loop.paced ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
+          {"deadline_misses", scene_file.loop.paced ? Json(statistics.deadlineMisses()) : Json(nullptr)},
           {"misses_too_long", misses(Miss::kTooLong)},
           {"misses_woken_late", misses(Miss::kWokenLate)},
           {"misses_preempted", misses(Miss::kPreempted)},
           {"advice", summary.advice.empty() ? Json(nullptr) : Json(summary.advice)},
-          {"success_rate_last_100", scenario.loop.paced ? Json(statistics.successRate()) : Json(nullptr)},
+          {"success_rate_last_100", scene_file.loop.paced ? Json(statistics.successRate()) : Json(nullptr)},
           {"force_n", statisticsJson(statistics.forceN())},
           {"torque_nm", statisticsJson(statistics.torqueNm())},
           {"largest_speed_m_s", scene.bed().largestSpeed()},
@@ -339,10 +341,10 @@ Json summaryJson(const Scenario& scenario, const Scene& scene, const HapticLoop&
             {"cpu", summary.real_time.cpu == kAnyCpu ? Json(nullptr) : Json(summary.real_time.cpu)}}}};
 }
 
-std::string soilText(const Scenario& scenario) {
-  const std::string name = scenario.preset + scenario.soil_name;  // one of them at most
+std::string soilText(const SceneFile& scene_file) {
+  const std::string name = scene_file.preset + scene_file.soil_name;  // one of them at most
   return fmt::format("{}, {} friction", name.empty() ? "own soil" : name,
-                     wordFor(kFrictionWords, scenario.bed.soil.friction));
+                     wordFor(kFrictionWords, scene_file.bed.soil.friction));
 }
 
 /// How late paced ticks began; empty when none was.
@@ -371,7 +373,7 @@ std::string grainsText(const Bed& bed) {
                           : fmt::format("{} macroparticles ({})", bed.particles(), all);
 }
 
-std::string summaryText(const Scenario& scenario, const Scene& scene, const HapticLoop& loop,
+std::string summaryText(const SceneFile& scene_file, const Scene& scene, const HapticLoop& loop,
                         const RunSummary& summary) {
   const LoopStatistics& s = loop.statistics();
   const Histogram& t = s.tickUs();
@@ -388,14 +390,14 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
       "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
       "{packets}"
       "  state      {hash:016x}\n",
-      fmt::arg("title", scenario.title), fmt::arg("grains", grainsText(scene.bed())),
-      fmt::arg("awake", scene.bed().awake()), fmt::arg("soil", soilText(scenario)),
-      fmt::arg("g", scenario.bed.gravity_m_s2.norm()), fmt::arg("substeps", pluralise(scene.substeps(), "substep")),
+      fmt::arg("title", scene_file.title), fmt::arg("grains", grainsText(scene.bed())),
+      fmt::arg("awake", scene.bed().awake()), fmt::arg("soil", soilText(scene_file)),
+      fmt::arg("g", scene_file.bed.gravity_m_s2.norm()), fmt::arg("substeps", pluralise(scene.substeps(), "substep")),
       fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
       fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
       fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
-      fmt::arg("threads", pluralise(scenario.bed.threads, "thread")),
-      fmt::arg("deadlines", scenario.loop.paced ? deadlinesText(s) : "none: as fast as it can"),
+      fmt::arg("threads", pluralise(scene_file.bed.threads, "thread")),
+      fmt::arg("deadlines", scene_file.loop.paced ? deadlinesText(s) : "none: as fast as it can"),
       fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
       fmt::arg("wakeup", wakeUpText(s.lateUs())),
@@ -408,21 +410,22 @@ std::string summaryText(const Scenario& scenario, const Scene& scene, const Hapt
 }
 
 /// A run that was to last a certain time and did not, or that went wrong, has failed; its trace is kept all the same.
-void throwWhenItFailed(const Scenario& scenario, const HapticLoop& loop, LoopEnd end) {
-  const bool cut_short = end == LoopEnd::kStopped && scenario.loop.duration_s > 0;
+void throwWhenItFailed(const SceneFile& scene_file, const HapticLoop& loop, LoopEnd end) {
+  const bool cut_short = end == LoopEnd::kStopped && scene_file.loop.duration_s > 0;
   if (cut_short || end == LoopEnd::kHandLeft || end == LoopEnd::kLost || end == LoopEnd::kNotFinite ||
       end == LoopEnd::kCollapsed) {
-    throw Failure(cut_short ? fmt::format("interrupted after {:.3f} s of {:g} s", loop.time(), scenario.loop.duration_s)
-                            : fmt::format("stopped at {:.3f} s: {}", loop.time(), text(end)));
+    throw Failure(cut_short
+                      ? fmt::format("interrupted after {:.3f} s of {:g} s", loop.time(), scene_file.loop.duration_s)
+                      : fmt::format("stopped at {:.3f} s: {}", loop.time(), text(end)));
   }
 }
 
 /// Whether a device could shake where the soil is stiffest.
 void warnOfStiffness(const Session& session) {
-  const Scenario& scenario = session.shown();
+  const SceneFile& scene_file = session.shown();
   const DeviceLimits limits = session.device().limits();
-  const StiffnessCheck check =
-      checkStiffness(scenario.handling, scenario.tool, scenario.bed.soil.radius_m, limits, scenario.loop.tick_s);
+  const StiffnessCheck check = checkStiffness(scene_file.handling, scene_file.tool, scene_file.bed.soil.radius_m,
+                                              limits, scene_file.loop.tick_s);
   if (!session.device().simulated() && limits.max_force_n > 0 && !check.stable()) {
     spdlog::warn("{}", check.text);
   }
@@ -466,18 +469,18 @@ SettleProgress settlingOn(WaitingPage* page, SettledFraction& settled, StatusLin
 
 void run(const RunOptions& options) {
   const StopOnSignal stop_on_signal;
-  Scenario scenario = scenarioFor(options);
+  SceneFile scene_file = sceneFileFor(options);
   const std::unique_ptr<RunCompanion> companion =
-      options.companion ? options.companion(scenario, options.scene) : nullptr;
+      options.companion ? options.companion(scene_file, options.scene) : nullptr;
   const WebServerOptions web = options.web.forAll();
-  const std::optional<FinestGrain> finest = chooseParticles(scenario, options);
+  const std::optional<FinestGrain> finest = chooseParticles(scene_file, options);
   // Files that cannot be written are refused before the bed is made.
-  Follower follower(options, scenario, companion.get());
+  Follower follower(options, scene_file, companion.get());
   std::optional<Figure> figure;
   if (!options.figure_file.empty()) {
     figure.emplace(options.overwrite(options.figure_file), kRunFigureWidth_px, kRunFigureHeight_px);
   }
-  const bool serves = options.serve.value_or(scenario.loop.paced && !options.json);
+  const bool serves = options.serve.value_or(scene_file.loop.paced && !options.json);
   const bool leads = companion && companion->leadsRobot();
   const bool keeps_records = follower.wantsRecords() || serves || companion || !options.record_file.empty();
   std::optional<WaitingPage> waiting;
@@ -485,7 +488,7 @@ void run(const RunOptions& options) {
   if (serves) {
     waiting.emplace(web);
   }
-  Session session(scenario, keeps_records, settlingOn(waiting ? &*waiting : nullptr, settled, follower.status()),
+  Session session(scene_file, keeps_records, settlingOn(waiting ? &*waiting : nullptr, settled, follower.status()),
                   companion ? companion->device() : nullptr);
   waiting.reset();
   follower.status().clear();
@@ -502,7 +505,7 @@ void run(const RunOptions& options) {
   if (keeps_records) {
     taker.emplace(session.loop(), follower.recording(),
                   follower.wantsRecords() || leads ? RecordTaker::Keep::kForTake : RecordTaker::Keep::kNothing,
-                  scenario.loop.paced, companion ? companion->listener() : RecordTaker::Listener());
+                  scene_file.loop.paced, companion ? companion->listener() : RecordTaker::Listener());
   }
   SessionDriver driver(session, follower.recording(), follower.status(), view.get(), taker ? &*taker : nullptr);
   session.start(stopAsked());
@@ -517,9 +520,9 @@ void run(const RunOptions& options) {
         }
         return true;
       },
-      !scenario.loop.paced ? 1ms
-      : view || leads      ? 4ms
-                           : 20ms);
+      !scene_file.loop.paced ? 1ms
+      : view || leads        ? 4ms
+                             : 20ms);
   const LoopEnd end = session.join();
   follower.follow(session, driver.look());
   const RunSummary summary{
@@ -527,7 +530,7 @@ void run(const RunOptions& options) {
       session.realTime(),
       taker ? taker->lost() : 0,
       finest,
-      scenario.loop.paced ? deadlineAdvice(session.loop().statistics(), coarserSoil(options, session.shown())) : "",
+      scene_file.loop.paced ? deadlineAdvice(session.loop().statistics(), coarserSoil(options, session.shown())) : "",
       session.device().inputSummary()};
   follower.finish(summary.end, session.loop().time());
   driver.tellTheRest();
@@ -610,7 +613,7 @@ void addRunCommand(CLI::App& app) {
 void addRunOptions(CLI::App& command, CompanionFactory companion, const std::string& scene) {
   auto options = std::make_shared<RunOptions>();
   options->companion = std::move(companion);
-  options->scene.scenario_file = scene;
+  options->scene.name_or_file = scene;
   addOptions(&command, options);
   if (!scene.empty()) {
     command.get_option("scenario")

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/session/record_taker.h"
 #include "haptolith/session/session.h"
 #include "haptolith/session/session_recording.h"
@@ -48,7 +48,8 @@ class RunCompanion {
 };
 
 /// Makes a companion before the bed is made; may change the scene. @throws InvalidParameter, Failure.
-using CompanionFactory = std::function<std::unique_ptr<RunCompanion>(Scenario& scenario, const SceneOptions& options)>;
+using CompanionFactory =
+    std::function<std::unique_ptr<RunCompanion>(SceneFile& scene_file, const SceneOptions& options)>;
 
 /// Adds the options of `haptolith run` to a command that runs a scene with a companion.
 /// @param scene  opened when the command line names none; empty: as `haptolith run` does.

@@ -81,17 +81,17 @@ Rows tickHistogram(const Histogram& ticks) {
 
 }  // namespace
 
-void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics) {
+void drawRun(Figure& figure, const SceneFile& scene_file, const RunHistory& history, const LoopStatistics& statistics) {
   Rows forces;
   for (const TickRecord& r : history.records) {
     const Vec3& f = r.sent.wrench.force_n;
     forces.push_back({r.time_s, f.x(), f.y(), f.z(), kMm * r.scene_T_tool.position_m.z(), r.soil.force_n.z()});
   }
-  const BedParameters& bed = scenario.bed;
+  const BedParameters& bed = scene_file.bed;
   const SceneSnapshot& scene = history.strongest;
   const double half_width = kMm * bed.width_m / 2;
   const double wall = half_width + kMm * bed.soil.radius_m;  // walls bound the middles of particles
-  const Rows tool = toolEdges(scenario.tool, scene.scene_T_tool, scene.opening_m);
+  const Rows tool = toolEdges(scene_file.tool, scene.scene_T_tool, scene.opening_m);
   double tool_top = kMm * scene.scene_T_tool.position_m.z();
   for (const std::vector<double>& edge : tool) {
     tool_top = std::max({tool_top, edge[1], edge[1] + edge[3]});
@@ -166,7 +166,7 @@ unset key
 plot $ticks using (sqrt($1*$2)):3:1:2:(0.5):3 with boxxyerror lc rgb '#00798c'
 unset multiplot
 )gnuplot",
-                             fmt::arg("title", gnuplotQuoted(scenario.title)), fmt::arg("time", scene.time_s),
+                             fmt::arg("title", gnuplotQuoted(scene_file.title)), fmt::arg("time", scene.time_s),
                              fmt::arg("force", scene.device_wrench.force_n.norm()), fmt::arg("left", -half_width - 25),
                              fmt::arg("right", half_width + 25), fmt::arg("bottom", -6), fmt::arg("top", highest + 8),
                              fmt::arg("wall_left", -wall), fmt::arg("wall_right", wall),

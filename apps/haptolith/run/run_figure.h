@@ -5,7 +5,7 @@
 
 #include "haptolith/figure/figure.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
 
@@ -20,6 +20,6 @@ constexpr int kRunFigureHeight_px = 900;
 
 /// Draws the scene at its strongest moment, force over time, force over the tool's height, and how long ticks took;
 /// then saves. @throws as Figure.
-void drawRun(Figure& figure, const Scenario& scenario, const RunHistory& history, const LoopStatistics& statistics);
+void drawRun(Figure& figure, const SceneFile& scene_file, const RunHistory& history, const LoopStatistics& statistics);
 
 }  // namespace haptolith

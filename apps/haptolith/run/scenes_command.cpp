@@ -15,8 +15,8 @@
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/process/in_parallel.h"
 #include "haptolith/machine/machine_fit.h"
-#include "haptolith/scenario/built_in_scenes.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/built_in_scenes.h"
+#include "haptolith/scene_file/scene_file.h"
 
 #include "commands.h"
 #include "shared/output.h"
@@ -46,9 +46,9 @@ std::vector<std::string_view> purposeOf(std::string_view scene) {
   return lines;
 }
 
-/// Lets the soil of `auto` settle in each of its radii, for scenarios/tiles (./dev tiles); files that are there stay.
+/// Lets the soil of `auto` settle in each of its radii, for scenes/tiles (./dev tiles); files that are there stay.
 void makeTiles(const std::filesystem::path& folder) {
-  const BedParameters any = findScenario(kAutoScene).bed;
+  const BedParameters any = findSceneFile(kAutoScene).bed;
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   inParallel(kGrainRadii_m.size(), threads, [&](std::size_t i) {
     BedParameters bed = any;

@@ -13,8 +13,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/viewer/headless_browser.h"
 #include "haptolith/viewer/live_view.h"
@@ -37,7 +37,7 @@ constexpr const char* kSnapshotExamples = R"(Examples:
   haptolith snapshot --hand scoop --out view.png            soil of the Moon after two seconds
   haptolith snapshot --at-s 3.5 --theme light --no-panels --out bed.png
   haptolith snapshot --body Mars --colour force --view front --out mars.png
-  haptolith snapshot scenarios/sandbox.toml --out sandbox.png
+  haptolith snapshot scenes/sandbox.toml --out sandbox.png
   haptolith snapshot --film --duration-s 8 --hand scoop --out scoop.mp4
 
 Chromium draws it, without a window: apt install chromium. Films need ffmpeg, too. HAPTOLITH_CHROMIUM=PATH takes another
@@ -72,21 +72,21 @@ struct SnapshotOptions {
 };
 
 /// The scene, unpaced and without an end of its own: time passes only where a picture asks for it.
-Scenario scenarioFor(const SnapshotOptions& options) {
-  Scenario scenario = scenarioFor(options.scene);
+SceneFile sceneFileFor(const SnapshotOptions& options) {
+  SceneFile scene_file = sceneFileFor(options.scene);
   if (options.scene.manoeuvre || options.scene.poses_file) {
-    scenario.device = {};
+    scene_file.device = {};
   }
-  if (scenario.device.kind != DeviceKind::kVirtualHand) {  // it would move, and be driven faster or slower than time
+  if (scene_file.device.kind != DeviceKind::kVirtualHand) {  // it would move, and be driven faster or slower than time
     throw InvalidParameter(
-        "device", fmt::format("'{}'", wordFor(kDeviceWords, scenario.device.kind)),
+        "device", fmt::format("'{}'", wordFor(kDeviceWords, scene_file.device.kind)),
         "the virtual hand, which is all that a snapshot uses: add --device virtual-hand, or say with "
         "--hand what it does");
   }
-  scenario.loop.paced = false;
-  scenario.loop.duration_s = 0;
-  validate(scenario);
-  return scenario;
+  scene_file.loop.paced = false;
+  scene_file.loop.duration_s = 0;
+  validate(scene_file);
+  return scene_file;
 }
 
 void throwWhenStopped() {
@@ -99,12 +99,12 @@ void throwWhenStopped() {
 /// looks the same every time.
 class Studio {
  public:
-  Studio(const SnapshotOptions& options, const Scenario& scenario, StatusLine& status)
+  Studio(const SnapshotOptions& options, const SceneFile& scene_file, StatusLine& status)
       : options_(options),
         browser_({.width_px = options.width_px,
                   .height_px = options.height_px,
                   .stopped = [] { return stopAsked().load(); }}),
-        session_(scenario, false, settlingIn(status)),
+        session_(scene_file, false, settlingIn(status)),
         view_(session_, {.bind = "127.0.0.1", .port = 0}, HAPTOLITH_VERSION, {}) {
     session_.pause();
     session_.start(stopAsked());
@@ -152,14 +152,14 @@ class Studio {
       throw Failure(
           fmt::format("no picture: {} of {} ticks took longer than {} ms, {} % may; choose coarser soil "
                       "(--set soil.radius_mm=...) or omit --require-in-time",
-                      scene.misses_too_long, scene.ticks, 1e3 * session_.scenario().bed.tick_s, 100 * kMaxLate));
+                      scene.misses_too_long, scene.ticks, 1e3 * session_.sceneFile().bed.tick_s, 100 * kMaxLate));
     }
   }
 
  private:
   /// Every picture is of a moment at the end of a tick; the first tick puts the tool where the hand is.
   [[nodiscard]] std::uint64_t tickAt(double time_s) const {
-    const double tick_s = session_.scenario().bed.tick_s;
+    const double tick_s = session_.sceneFile().bed.tick_s;
     return static_cast<std::uint64_t>(std::max(1LL, std::llround(time_s / tick_s)));
   }
 
@@ -263,10 +263,10 @@ void takePicture(const SnapshotOptions& options) {
     throw InvalidParameter("out", fmt::format("'{}'", options.out_file),
                            "a file name ending in .png, or with --film in .mp4 or .webm");
   }
-  const Scenario scenario = scenarioFor(options);
+  const SceneFile scene_file = sceneFileFor(options);
   AtomicFile file(options.overwrite(options.out_file));
   StatusLine status;
-  Studio studio(options, scenario, status);
+  Studio studio(options, scene_file, status);
   studio.play(options.at_s.value_or(kUsual_s));
   file.write(studio.picture());
   if (options.require_in_time) {
@@ -280,10 +280,10 @@ void makeFilm(const SnapshotOptions& options) {
     throw InvalidParameter("width and height", fmt::format("{} x {}", options.width_px, options.height_px),
                            "even for a film");
   }
-  const Scenario scenario = scenarioFor(options);
+  const SceneFile scene_file = sceneFileFor(options);
   FilmFile film(options.overwrite(options.out_file), options.frames_per_s);
   StatusLine status;
-  Studio studio(options, scenario, status);
+  Studio studio(options, scene_file, status);
   const double start_s = options.at_s.value_or(0);
   const auto frames = std::max(1LL, std::llround(options.duration_s * options.frames_per_s));
   studio.play(start_s);

@@ -9,7 +9,7 @@
 
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 
 namespace haptolith {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 
 namespace haptolith {
 

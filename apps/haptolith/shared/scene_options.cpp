@@ -10,7 +10,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/recording/recording_format.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/tool/tool_mesh.h"
 
 #include "shared/option_checks.h"
@@ -39,17 +39,18 @@ std::map<std::string, Manoeuvre> handChoices() {
 }
 
 /// How large the mesh is, from which a wrong unit is seen, and what was done to it.
-void tellOfMesh(const Scenario& scenario) {
-  const ToolMesh& mesh = *scenario.tool.mesh;
+void tellOfMesh(const SceneFile& scene_file) {
+  const ToolMesh& mesh = *scene_file.tool.mesh;
   const Vec3 size_mm = 1e3 * (mesh.field.corners().high_m - mesh.field.corners().low_m);
-  spdlog::info("{}: {:.3g} x {:.3g} x {:.3g} mm, walls and corners to {:.2g} mm", scenario.mesh.name, size_mm.x(),
+  spdlog::info("{}: {:.3g} x {:.3g} x {:.3g} mm, walls and corners to {:.2g} mm", scene_file.mesh.name, size_mm.x(),
                size_mm.y(), size_mm.z(), 1e3 * mesh.field.spacing());
   constexpr std::size_t kMostRecordedBytes = kLongestHeaderText / 10 * 7;  // it is in the scene's text in base64
-  if (scenario.mesh.bytes->size() > kMostRecordedBytes) {
-    spdlog::warn("{}: a file of more than {} kB: it cannot be recorded", scenario.mesh.name, kMostRecordedBytes / 1000);
+  if (scene_file.mesh.bytes->size() > kMostRecordedBytes) {
+    spdlog::warn("{}: a file of more than {} kB: it cannot be recorded", scene_file.mesh.name,
+                 kMostRecordedBytes / 1000);
   }
   for (const std::string& done : mesh.report) {
-    spdlog::info("{}: {}", scenario.mesh.name, done);
+    spdlog::info("{}: {}", scene_file.mesh.name, done);
   }
 }
 
@@ -84,8 +85,8 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
 }
 
 std::string SceneOptions::scene() const {
-  if (!scenario_file.empty()) {
-    return scenario_file;
+  if (!name_or_file.empty()) {
+    return name_or_file;
   }
   return preset ? "paper" : usual;
 }
@@ -93,15 +94,14 @@ std::string SceneOptions::scene() const {
 void SceneOptions::addTo(CLI::App& command) {
   command
       .add_option(
-          "scenario", scenario_file,
-          fmt::format(
-              "Scene by its name (haptolith scenes) or from a file (docs/scenarios.md) [{}, with --preset paper]",
-              usual))
+          "scenario", name_or_file,
+          fmt::format("Scene by its name (haptolith scenes) or from a file (docs/scenes.md) [{}, with --preset paper]",
+                      usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,
                   "A key of the scene file, whatever the file says: --set bed.depth_mm=60; again for another "
-                  "(docs/scenarios.md)")
+                  "(docs/scenes.md)")
       ->allow_extra_args(false)
       ->option_text("TABLE.KEY=VALUE");
   CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
@@ -127,46 +127,46 @@ void SceneOptions::addTo(CLI::App& command) {
   device.addTo(command)->excludes(hand);
 }
 
-Scenario scenarioFor(const SceneOptions& options) {
+SceneFile sceneFileFor(const SceneOptions& options) {
   const std::string scene = options.scene();
-  Scenario scenario = findScenario(scene, options.overrides);
-  const std::string title = scenario.title, before = sceneInWords(scenario);
-  BedParameters& bed = scenario.bed;
+  SceneFile scene_file = findSceneFile(scene, options.overrides);
+  const std::string title = scene_file.title, before = sceneInWords(scene_file);
+  BedParameters& bed = scene_file.bed;
   if (options.preset) {
-    changePreset(scenario, *options.preset);
+    changePreset(scene_file, *options.preset);
   }
   if (options.soil) {
-    changeSoil(scenario, *options.soil);
+    changeSoil(scene_file, *options.soil);
   }
   bed.soil.friction = options.friction.value_or(bed.soil.friction);
   if (options.body) {
-    changeBody(scenario, *options.body);
+    changeBody(scene_file, *options.body);
   }
   if (options.manoeuvre) {
-    scenario.hand.manoeuvre = *options.manoeuvre;
+    scene_file.hand.manoeuvre = *options.manoeuvre;
   }
   if (options.poses_file) {
-    scenario.hand.manoeuvre = Manoeuvre::kPoses;
-    scenario.hand.poses_file = *options.poses_file;
+    scene_file.hand.manoeuvre = Manoeuvre::kPoses;
+    scene_file.hand.poses_file = *options.poses_file;
   }
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
-  options.device.applyTo(scenario.device);
-  retitle(scenario, before);
+  options.device.applyTo(scene_file.device);
+  retitle(scene_file, before);
   // A title that the user wrote stays.
   const std::vector<std::string> built_in = sceneNames();
   const bool titled =
       std::ranges::any_of(options.overrides, [](std::string_view text) { return text.starts_with("title"); }) ||
       std::ranges::find(built_in, scene) == built_in.end();
-  scenario.title = titled ? title : scenario.title;
-  makeToolMesh(scenario);
-  if (scenario.tool.shape == ToolShape::kMesh) {
-    tellOfMesh(scenario);
+  scene_file.title = titled ? title : scene_file.title;
+  makeToolMesh(scene_file);
+  if (scene_file.tool.shape == ToolShape::kMesh) {
+    tellOfMesh(scene_file);
   }
-  for (const std::string& idle : idleKeys(scene, scenario, options.overrides)) {
+  for (const std::string& idle : idleKeys(scene, scene_file, options.overrides)) {
     spdlog::warn("{}", idle);
   }
-  return scenario;
+  return scene_file;
 }
 
 SettleProgress settlingIn(StatusLine& status) {

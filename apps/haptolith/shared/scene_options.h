@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace CLI {
 class App;
@@ -29,9 +29,9 @@ struct DeviceOptions {
   void applyTo(DeviceParameters& device) const;
 };
 
-/// Which scene, as the command line says it; everything else comes from the scenario.
+/// Which scene, as the command line says it; everything else comes from the scene file.
 struct SceneOptions {
-  std::string scenario_file;
+  std::string name_or_file;
   std::string usual = "regolith";      ///< what opens when no scene is named
   std::vector<std::string> overrides;  ///< keys of the scene file, each "table.key=value"
   std::optional<std::string> preset, soil, body, poses_file;
@@ -48,8 +48,8 @@ struct SceneOptions {
 
 /// The scene that the options ask for, with a warning for each key of its file that has no effect; not yet checked by
 /// validate(), since a command may still change it.
-/// @throws InvalidParameter, Failure: as findScenario(), changePreset(), changeSoil() and changeBody().
-[[nodiscard]] Scenario scenarioFor(const SceneOptions& options);
+/// @throws InvalidParameter, Failure: as findSceneFile(), changePreset(), changeSoil() and changeBody().
+[[nodiscard]] SceneFile sceneFileFor(const SceneOptions& options);
 
 /// Shows in `status` how the bed of a new scene settles; a signal ends it.
 [[nodiscard]] SettleProgress settlingIn(StatusLine& status);

@@ -15,8 +15,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/calibration.h"
 #include "haptolith/soil/layers.h"

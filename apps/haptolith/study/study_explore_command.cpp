@@ -13,8 +13,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 #include "haptolith/study/perception/perception.h"
 #include "haptolith/study/perception/perception_figure.h"
 #include "haptolith/study/perception/task_perception.h"

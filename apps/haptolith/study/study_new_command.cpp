@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "haptolith/core/pluralise.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/site_task.h"
 #include "haptolith/study/protocol/protocol.h"
 #include "haptolith/study/protocol/sequence.h"
 #include "haptolith/study/store/store.h"

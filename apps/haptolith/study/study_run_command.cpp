@@ -16,7 +16,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/pluralise.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/session/session.h"
 #include "haptolith/study/run/conductor.h"
 #include "haptolith/study/run/criteria.h"
@@ -70,11 +70,11 @@ bool learns(const StudyProtocol& protocol) {
   });
 }
 
-Scenario sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol) {
+SceneFile sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol) {
   if (!options.resumes && !options.trial_run) {
     requireFilledIn(protocol);
   }
-  Scenario scene = learns(protocol) ? readyToLearn(protocol.scene) : protocol.scene;
+  SceneFile scene = learns(protocol) ? readyToLearn(protocol.scene) : protocol.scene;
   options.device.applyTo(scene.device);
   scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device, the participant moves it
   scene.loop.duration_s = 0;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 
 namespace haptolith {
 

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "haptolith/core/pluralise.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/site_task.h"
 
 namespace haptolith {
 

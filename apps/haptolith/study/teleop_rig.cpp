@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/site_task.h"
 
 #include "study/teleop_work.h"
 
@@ -27,11 +27,11 @@ void TeleopRig::wantSite(const std::string& name) {
   site_.reset();
   site_name_ = name;
   coming_ = std::async(std::launch::async, [name] {
-    Scenario scenario = findScenario(name);
-    validate(scenario);
-    const Scene scene(scenario.bed, scenario.tool);
+    SceneFile scene_file = findSceneFile(name);
+    validate(scene_file);
+    const Scene scene(scene_file.bed, scene_file.tool);
     SavedScene level = scene.save();
-    return Site{std::move(scenario), std::move(level)};
+    return Site{std::move(scene_file), std::move(level)};
   });
 }
 
@@ -69,8 +69,8 @@ bool TeleopRig::ready() {
   if (wants_robot_ && !robot_) {
     const LinkProfile link = linkOf(*work_);
     robot_ = std::make_unique<RobotBehindLink>(
-        site_->scenario, std::make_unique<Scene>(site_->scenario.bed, site_->scenario.tool, site_->level), link.up,
-        link.down);
+        site_->scene_file, std::make_unique<Scene>(site_->scene_file.bed, site_->scene_file.tool, site_->level),
+        link.up, link.down);
   }
   if (robot_ && !robot_->problem().empty()) {
     throw Failure(robot_->problem());

@@ -47,7 +47,7 @@ class TeleopRig final : public Rig {
  private:
   /// A robot's scene, and its soil at rest.
   struct Site {
-    Scenario scenario;
+    SceneFile scene_file;
     SavedScene level;
   };
 

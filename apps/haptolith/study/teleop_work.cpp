@@ -19,7 +19,7 @@ TeleopSetup setupFor(const StudyProtocol& protocol, const StudyBlock& block, std
   const LinkProfile link = linkOf(work);
   TeleopSetup setup;
   setup.model = modelOf(protocol, block);
-  setup.site = findScenario(work.site);
+  setup.site = findSceneFile(work.site);
   setup.up = link.up;
   setup.down = link.down;
   setup.model.bed.seed += seed;
@@ -59,8 +59,8 @@ TeleopSummary summaryOf(const ForceAgreement& agreement, const std::optional<Mod
   return summary;
 }
 
-Scenario modelOf(const StudyProtocol& protocol, const StudyBlock& block) {
-  Scenario model = sceneOf(protocol, block, block.reference);
+SceneFile modelOf(const StudyProtocol& protocol, const StudyBlock& block) {
+  SceneFile model = sceneOf(protocol, block, block.reference);
   return block.teleop->felt == TeleopFelt::kLearning ? readyToLearn(model) : model;
 }
 

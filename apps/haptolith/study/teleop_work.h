@@ -22,7 +22,7 @@ namespace haptolith {
 [[nodiscard]] TeleopSummary summaryOf(const ForceAgreement& agreement, const std::optional<ModelSoil>& learned);
 
 /// The scene whose soil the hand feels in such a block. @throws InvalidParameter, Failure as sceneOf().
-[[nodiscard]] Scenario modelOf(const StudyProtocol& protocol, const StudyBlock& block);
+[[nodiscard]] SceneFile modelOf(const StudyProtocol& protocol, const StudyBlock& block);
 
 /// Another rig, but for work for a robot: a virtual operator does that in simulated time, in a run of its own for each
 /// trial, while feel() waits.

@@ -35,7 +35,7 @@ RobotLead::RobotLead(const Session& session, const std::string& to, const EndOpt
   }
 }
 
-void RobotLead::begin(const Scenario& model) {
+void RobotLead::begin(const SceneFile& model) {
   soil_ = model.bed.soil;
   tool_friction_ = model.tool.friction;
   learning_.reset();
@@ -163,7 +163,7 @@ void RobotLead::mend(Session& session, SessionRecording& recording) {
 }
 
 void RobotLead::learn(Session& session, SessionRecording& recording) {
-  const Scenario& shown = session.shown();
+  const SceneFile& shown = session.shown();
   if (shown.bed.soil != soil_ || shown.tool.friction != tool_friction_) {  // somebody wants another soil
     begin(shown);
   }

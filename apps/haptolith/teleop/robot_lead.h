@@ -41,7 +41,7 @@ class RobotLead {
   template <class Told>
   void record(const Told& told, SessionRecording& recording) const;
   void learn(Session& session, SessionRecording& recording);
-  void begin(const Scenario& model);
+  void begin(const SceneFile& model);
   void mend(Session& session, SessionRecording& recording);
 
   OperatorEnd end_;

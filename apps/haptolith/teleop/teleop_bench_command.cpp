@@ -19,7 +19,7 @@
 #include "haptolith/core/process/in_parallel.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/identify/training/training_file.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/site_task.h"
 #include "haptolith/teleop/bench/simulation.h"
 #include "haptolith/teleop/operator/agreement_figure.h"
 #include "haptolith/teleop/operator/learning_model.h"
@@ -119,15 +119,15 @@ constexpr double kThreadSecondsPerSecond = 5;
 /// The robot's probe of its site, and the model that came of it.
 struct Probed {
   ProbedSoil soil;
-  Scenario model;
+  SceneFile model;
 };
 
 Probed probe(const TeleopBenchOptions& options, StatusLine& status) {
   Progress progress(status);
-  const Scenario site = findScenario(options.site, options.site_overrides);
+  const SceneFile site = findSceneFile(options.site, options.site_overrides);
   const Training& training = probeTraining();
   const ProbedSoil soil = probeSite(site, {}, training, progress.part(0, 1));
-  return {soil, withBelievedSoil(findScenario(options.model, options.model_overrides), soil.belief,
+  return {soil, withBelievedSoil(findSceneFile(options.model, options.model_overrides), soil.belief,
                                  StrengthMap(training.runs))};
 }
 
@@ -138,8 +138,8 @@ double gravityOf(const Probed& probed) {
 TeleopSetup setupFor(const TeleopBenchOptions& options, double round_trip_s, Case which,
                      const std::optional<Probed>& probed) {
   TeleopSetup setup;
-  setup.model = begins(which) ? probed->model : findScenario(options.model, options.model_overrides);
-  setup.site = findScenario(options.site, options.site_overrides);
+  setup.model = begins(which) ? probed->model : findSceneFile(options.model, options.model_overrides);
+  setup.site = findSceneFile(options.site, options.site_overrides);
   if (which == Case::kTwin) {
     setup.model.bed = setup.site.bed;
     setup.model.tool = setup.site.tool;
@@ -260,7 +260,7 @@ std::vector<std::string> casesOf(const TeleopBenchOptions& options) {
     return options.cases;
   }
   std::vector<std::string> cases{"model", "twin"};
-  if (canLearn(findScenario(options.model, options.model_overrides))) {
+  if (canLearn(findSceneFile(options.model, options.model_overrides))) {
     cases.insert(cases.begin() + 1, "learning");
   }
   if (!options.lets_go_s) {

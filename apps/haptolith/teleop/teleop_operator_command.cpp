@@ -30,9 +30,9 @@ struct OperatorOptions {
 /// A robot that follows the tool of a run.
 class RobotCompanion final : public RunCompanion {
  public:
-  RobotCompanion(const OperatorOptions& options, Scenario& scenario) : options_(options) {
-    if (options.learns.value_or(canLearn(scenario))) {
-      scenario = readyToLearn(scenario);
+  RobotCompanion(const OperatorOptions& options, SceneFile& scene_file) : options_(options) {
+    if (options.learns.value_or(canLearn(scene_file))) {
+      scene_file = readyToLearn(scene_file);
     }
   }
 
@@ -77,8 +77,8 @@ void addTeleopOperator(CLI::App& teleop) {
       "Leave the soil's surface as it is; else grains are laid where the robot sees more soil than there is");
   addRunOptions(
       *command,
-      [options](Scenario& scenario, const SceneOptions&) {
-        return std::make_unique<RobotCompanion>(*options, scenario);
+      [options](SceneFile& scene_file, const SceneOptions&) {
+        return std::make_unique<RobotCompanion>(*options, scene_file);
       },
       "dig");
 }

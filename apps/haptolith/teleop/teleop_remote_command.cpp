@@ -11,7 +11,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/haptics/loop/loop_clock.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/robot/site_robot.h"
 
 #include "shared/option_checks.h"
@@ -80,18 +80,18 @@ std::string statusText(const Robot& robot, const RobotServer& server, double rat
 void runRemote(const RemoteOptions& options) {
   const StopOnSignal stop;
   StatusLine status;
-  Scenario scenario = findScenario(options.site, options.overrides);
-  validate(scenario);
+  SceneFile scene_file = findSceneFile(options.site, options.overrides);
+  validate(scene_file);
   EndOptions end = options.end.end();
   end.listen = options.listen;
   requireSafe("listen", end.listen, end);
-  auto scene = std::make_unique<Scene>(scenario.bed, scenario.tool, settlingIn(status));
-  SiteRobot site(scenario, std::move(scene), options.robot, end);
+  auto scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, settlingIn(status));
+  SiteRobot site(scene_file, std::move(scene), options.robot, end);
   const Robot& robot = site.robot();
   const RobotServer& server = site.server();
-  const double tick_s = scenario.loop.tick_s;
+  const double tick_s = scene_file.loop.tick_s;
   status.clear();
-  printNotice(fmt::format("a robot in '{}', at port {}{}; Ctrl-C ends it\n", scenario.title, server.port(),
+  printNotice(fmt::format("a robot in '{}', at port {}{}; Ctrl-C ends it\n", scene_file.title, server.port(),
                           end.key.empty() ? "" : ", with a key"));
   LoopClock clock(tick_s, true);
   Rate rate(tick_s);

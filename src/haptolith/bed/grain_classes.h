@@ -8,7 +8,7 @@ namespace haptolith {
 /// Sizes of grain in one bed: each class has half the radius of the one before it, and the same soil scaled by size
 /// (rescaled(): k ~ R, F_c ~ R^2, m ~ R^3), so that stress, density and friction are the same in all. Class 0 is the
 /// coarsest. A particle's class is told from its radius, for the sizes of two classes never overlap: see
-/// SoilRanges::size_spread.
+/// SoilParameters::size_spread.
 class GrainClasses {
  public:
   static constexpr int kMost = 4;

@@ -21,7 +21,7 @@
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/lab/report/calibrate_soil.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/bodies.h"
 
 using namespace haptolith;

@@ -81,20 +81,20 @@ class CallersDevice final : public HapticDevice {
   std::atomic<bool> released_{false};
 };
 
-std::unique_ptr<HapticDevice> deviceFor(const Scenario& scenario, const hapto_device* device) {
+std::unique_ptr<HapticDevice> deviceFor(const SceneFile& scene_file, const hapto_device* device) {
   if (device != nullptr) {
     return std::make_unique<CallersDevice>(*device);
   }
-  if (scenario.device.kind == DeviceKind::kVirtualHand) {
-    return std::make_unique<VirtualHand>(scenario.hand, scenario.bed.tick_s);
+  if (scene_file.device.kind == DeviceKind::kVirtualHand) {
+    return std::make_unique<VirtualHand>(scene_file.hand, scene_file.bed.tick_s);
   }
-  return openDevice(scenario.device, scenario.bed.tick_s);
+  return openDevice(scene_file.device, scene_file.bed.tick_s);
 }
 
 /// The hand begins above the soil that is there.
-Scenario above(Scenario scenario, double surface_m) {
-  scenario.hand.surface_m = scenario.hand.surface_m.value_or(surface_m);
-  return scenario;
+SceneFile above(SceneFile scene_file, double surface_m) {
+  scene_file.hand.surface_m = scene_file.hand.surface_m.value_or(surface_m);
+  return scene_file;
 }
 
 LoopParameters pacedBy(LoopParameters loop, bool caller) {
@@ -112,18 +112,18 @@ class Loop {
         ticked_by_caller_((flags & HAPTO_LOOP_TICKED_BY_CALLER) != 0),
         keeps_ticks_((flags & HAPTO_LOOP_KEEPS_TICKS) != 0),
         tool_fade_(scene_->scene().toolFade()),
-        scenario_(above(scene_->scenario(), scene_->scene().bed().surfaceHeight())),
-        device_(deviceFor(scenario_, device)),
-        parameters_(pacedBy(scenario_.loop, ticked_by_caller_)),
+        scene_file_(above(scene_->sceneFile(), scene_->scene().bed().surfaceHeight())),
+        device_(deviceFor(scene_file_, device)),
+        parameters_(pacedBy(scene_file_.loop, ticked_by_caller_)),
         start_tick_(scene_->startTick()) {
     if (!ticked_by_caller_ && !parameters_.paced && !device_->simulated()) {
       throw InvalidParameter(
           "loop.paced", "false",
           "true while a person may hold the device: what a hand feels must keep time with the clock");
     }
-    const double surface_m = *scenario_.hand.surface_m;
+    const double surface_m = *scene_file_.hand.surface_m;
     loop_.emplace(scene_->scene(), *device_, parameters_, keeps_ticks_,
-                  device == nullptr ? handlingOf(scenario_, surface_m) : handlingOfOwnDevice(scenario_, surface_m));
+                  device == nullptr ? handlingOf(scene_file_, surface_m) : handlingOfOwnDevice(scene_file_, surface_m));
     if ((flags & HAPTO_LOOP_HASHES) != 0) {
       loop_->hashRecords();
     }
@@ -237,13 +237,13 @@ class Loop {
 
   /// As RecordingHeader has it, but for what only its writer knows.
   [[nodiscard]] std::string header() {
-    return nlohmann::ordered_json{{"scenario", scenarioText(scenario_)},
-                                  {"title", scenario_.title},
+    return nlohmann::ordered_json{{"scenario", sceneFileText(scene_file_)},
+                                  {"title", scene_file_.title},
                                   {"instruction_set", simdTarget()},
                                   {"device", device_->name()},
                                   {"device_limits", limitsText(device_->limits(), device_->simulated())},
-                                  {"seed", scenario_.bed.seed},
-                                  {"threads", scenario_.bed.threads},
+                                  {"seed", scene_file_.bed.seed},
+                                  {"threads", scene_file_.bed.threads},
                                   {"hashed_parts", loop_->hashedParts()},
                                   {"start_tick", start_tick_ + handed_out_ + loop_->lostRecords()},
                                   {"tick_s", parameters_.tick_s},
@@ -287,7 +287,7 @@ class Loop {
   Claim<hapto_scene> scene_;
   bool ticked_by_caller_, keeps_ticks_;
   double tool_fade_;  ///< before the loop
-  Scenario scenario_;
+  SceneFile scene_file_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;

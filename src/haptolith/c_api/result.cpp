@@ -11,9 +11,9 @@
 #include "haptolith/c_api/errors.h"
 #include "haptolith/c_api/values.h"
 #include "haptolith/lab/catalogue/lab_test.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/soil_file.h"
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/soil_file.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
 

@@ -13,7 +13,7 @@
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/haptics/safety/safety_layer.h"
 #include "haptolith/haptics/tick_record.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 struct hapto_safety : haptolith::library::HandleOf<haptolith::SafetyLayer> {
   static constexpr std::uint32_t kKind = 0x48615361;
@@ -75,9 +75,9 @@ std::int32_t hapto_safety_create(const hapto_device_limits* declared, const char
     constexpr Range kStiffness_n_m{1e-3, 1e7};
     requireInRange("tick_s", tick_s, LoopRanges::tick_s);
     requireInRange("stiffness_n_m", stiffness_n_m, kStiffness_n_m);
-    Scenario rest = changed(Scenario(), texts(overrides, count));
+    SceneFile rest = changed(SceneFile(), texts(overrides, count));
     const SafetyParameters safety = std::exchange(rest.handling.safety, {});
-    if (!(rest == Scenario())) {
+    if (!(rest == SceneFile())) {
       throw InvalidParameter("overrides", fmt::format("{} keys", count), "of [safety] only");
     }
     *out = Places<hapto_safety>::take(

@@ -26,9 +26,9 @@ namespace {
 
 using Scenes = Places<hapto_scene>;
 
-/// Makes a scene of what `scenario` reads, and hands it out.
+/// Makes a scene of what `scene_file` reads, and hands it out.
 template <class Read>
-std::int32_t make(Read&& scenario, hapto_progress told, void* user, hapto_scene** out) {
+std::int32_t make(Read&& scene_file, hapto_progress told, void* user, hapto_scene** out) {
   if (out == nullptr) {
     return wrongArgument(HAPTO_NULL, "out");
   }
@@ -36,24 +36,24 @@ std::int32_t make(Read&& scenario, hapto_progress told, void* user, hapto_scene*
   return progress.status([&] {
     readEnvironment();
     *out = Scenes::take(std::make_unique<SceneObject>(
-        scenario(progress), [&](double, double) { return progress.tell("soil settles", -1); }));
+        scene_file(progress), [&](double, double) { return progress.tell("soil settles", -1); }));
     return std::int32_t{HAPTO_OK};
   });
 }
 
 /// A scene by its name or from a file; `auto` in the finest soil that this machine renders in time.
-Scenario opened(std::string_view name, std::span<const std::string> overrides, Progress& progress) {
-  Scenario scenario = findScenario(name, overrides);
-  if (name == kAutoScene && !setsKey(overrides, "soil.radius_mm") && canBeFitted(scenario)) {
+SceneFile opened(std::string_view name, std::span<const std::string> overrides, Progress& progress) {
+  SceneFile scene_file = findSceneFile(name, overrides);
+  if (name == kAutoScene && !setsKey(overrides, "soil.radius_mm") && canBeFitted(scene_file)) {
     std::atomic<bool> stop{false};
     (void)fitToMachine(
-        scenario,
-        {.threads = setsKey(overrides, "bed.threads") ? std::optional(scenario.bed.threads) : std::nullopt,
+        scene_file,
+        {.threads = setsKey(overrides, "bed.threads") ? std::optional(scene_file.bed.threads) : std::nullopt,
          .folder = tileFolder(),
          .measuring = [&] { stop = !progress.tell("the machine is measured", -1); }},
         stop);
   }
-  return scenario;
+  return scene_file;
 }
 
 /// Does `body` with the scene, and notes what went wrong.
@@ -139,7 +139,7 @@ std::int32_t hapto_scene_from_toml(const char* text, const char* name, const cha
                                    std::uint32_t count, hapto_progress progress, void* user, hapto_scene** out) {
   return make(
       [&](Progress&) {
-        return scenarioFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count));
+        return sceneFileFromText(textOrNothing(text), name == nullptr ? "scene" : name, texts(overrides, count));
       },
       progress, user, out);
 }
@@ -218,7 +218,7 @@ std::int32_t hapto_scene_get_info(const hapto_scene* scene, hapto_scene_info* ou
 
 std::int32_t hapto_scene_get_toml(const hapto_scene* scene, char* text, std::uint64_t capacity, std::uint64_t* needed) {
   return with(scene, [&](const SceneObject& object) {
-    const std::string toml = scenarioText(object.scenario());
+    const std::string toml = sceneFileText(object.sceneFile());
     return handOut({toml.c_str(), toml.size() + 1}, text, capacity, needed);
   });
 }

@@ -26,7 +26,7 @@ struct Header {
   std::int32_t condition = HAPTO_OK;
   std::array<char, 16> instruction_set{};
   double opening = 1;
-  std::uint64_t made_of_bytes = 0, scenario_bytes = 0, scene_bytes = 0;
+  std::uint64_t made_of_bytes = 0, scene_file_bytes = 0, scene_bytes = 0;
   std::uint64_t hash = 0;  ///< XXH3 of all that follows
 };
 
@@ -56,7 +56,7 @@ std::int32_t statusOf(StepStatus status) noexcept {
 }
 
 /// The first of two scenes with what may change in soil as it lies taken from the second.
-Scenario withChangesOf(Scenario scene, const Scenario& other) {
+SceneFile withChangesOf(SceneFile scene, const SceneFile& other) {
   scene.title = other.title;
   scene.preset = other.preset;
   scene.soil_name = other.soil_name;
@@ -70,7 +70,7 @@ Scenario withChangesOf(Scenario scene, const Scenario& other) {
   return scene;
 }
 
-Scenario madeOf(Scenario scene, const SoilParameters& soil) {
+SceneFile madeOf(SceneFile scene, const SoilParameters& soil) {
   scene.bed.soil = soil;
   makeToolMesh(scene);
   return scene;
@@ -82,40 +82,40 @@ struct SceneObject::Saved {
   std::int32_t condition;
   double opening;
   SoilParameters made_of;
-  Scenario scenario;
+  SceneFile scene_file;
   SavedScene scene;
 };
 
-SceneObject::SceneObject(const Scenario& scenario, const SettleProgress& progress)
-    : scenario_(scenario),
-      made_of_(scenario.bed.soil),
-      scene_(std::make_unique<Scene>(scenario.bed, scenario.tool, progress)) {
+SceneObject::SceneObject(const SceneFile& scene_file, const SettleProgress& progress)
+    : scene_file_(scene_file),
+      made_of_(scene_file.bed.soil),
+      scene_(std::make_unique<Scene>(scene_file.bed, scene_file.tool, progress)) {
   HandState hand;
-  hand.pose.position_m = scenario.handling.mapping.offset_m + Vec3(0, 0, scene_->bed().surfaceHeight());
+  hand.pose.position_m = scene_file.handling.mapping.offset_m + Vec3(0, 0, scene_->bed().surfaceHeight());
   scene_->placeTool(hand);
 }
 
 SceneObject::SceneObject(const SceneObject& other)
-    : SceneObject(Saved{other.condition_, other.opening_, other.made_of_, other.scenario_, other.scene_->save()}) {
+    : SceneObject(Saved{other.condition_, other.opening_, other.made_of_, other.scene_file_, other.scene_->save()}) {
   as_made_ = other.as_made_;
 }
 
 SceneObject::SceneObject(std::string_view saved) : SceneObject(parsed(saved)) {}
 
 SceneObject::SceneObject(const Saved& saved)
-    : scenario_(saved.scenario),
+    : scene_file_(saved.scene_file),
       made_of_(saved.made_of),
-      scene_(std::make_unique<Scene>(madeOf(saved.scenario, saved.made_of).bed, saved.scenario.tool, saved.scene)) {
+      scene_(std::make_unique<Scene>(madeOf(saved.scene_file, saved.made_of).bed, saved.scene_file.tool, saved.scene)) {
   goOn(saved);
 }
 
 /// The soil first: that wakes the bed, whose state is restored after it.
 void SceneObject::goOn(const Saved& saved) {
   Bed& bed = scene_->bed();
-  if (bed.parameters().soil != saved.scenario.bed.soil) {
-    bed.setSoil(SoilLaws(saved.scenario.bed.soil, grainClasses(saved.scenario.bed)));
+  if (bed.parameters().soil != saved.scene_file.bed.soil) {
+    bed.setSoil(SoilLaws(saved.scene_file.bed.soil, grainClasses(saved.scene_file.bed)));
   }
-  bed.setGravity(saved.scenario.bed.gravity_m_s2);
+  bed.setGravity(saved.scene_file.bed.gravity_m_s2);
   scene_->restore(saved.scene);
   condition_ = saved.condition;
   opening_ = saved.opening;
@@ -128,15 +128,15 @@ std::uint64_t SceneObject::startTick() const noexcept {
 }
 
 std::string SceneObject::save() const {
-  const std::string made_of = scenarioText(madeOf(scenario_, made_of_));
-  const std::string now = scenarioText(scenario_);
+  const std::string made_of = sceneFileText(madeOf(scene_file_, made_of_));
+  const std::string now = sceneFileText(scene_file_);
   const std::string scene = serialise(scene_->save());
   const std::string all = made_of + now + scene;
   const Header header{.condition = condition_,
                       .instruction_set = instructionSet(),
                       .opening = opening_,
                       .made_of_bytes = made_of.size(),
-                      .scenario_bytes = now.size(),
+                      .scene_file_bytes = now.size(),
                       .scene_bytes = scene.size(),
                       .hash = XXH3_64bits(all.data(), all.size())};
   return std::string(reinterpret_cast<const char*>(&header), sizeof header) + all;
@@ -164,47 +164,48 @@ SceneObject::Saved SceneObject::parsed(std::string_view bytes) {
                     header.instruction_set.data(), simdTarget(), header.instruction_set.data()));
   }
   const std::uint64_t left = bytes.size();
-  const bool fits = header.made_of_bytes <= left && header.scenario_bytes <= left - header.made_of_bytes &&
-                    header.scene_bytes == left - header.made_of_bytes - header.scenario_bytes;
+  const bool fits = header.made_of_bytes <= left && header.scene_file_bytes <= left - header.made_of_bytes &&
+                    header.scene_bytes == left - header.made_of_bytes - header.scene_file_bytes;
   if (!fits || header.hash != XXH3_64bits(bytes.data(), bytes.size()) || header.condition < HAPTO_OK ||
       header.condition > HAPTO_COLLAPSED || !std::isfinite(header.opening)) {
     throw Failure("this saved scene is damaged");
   }
-  const Scenario made_of = loadScenarioText(bytes.substr(0, header.made_of_bytes), "the saved scene");
-  return {.condition = header.condition,
-          .opening = header.opening,
-          .made_of = made_of.bed.soil,
-          .scenario = loadScenarioText(bytes.substr(header.made_of_bytes, header.scenario_bytes), "the saved scene"),
-          .scene = deserialiseSavedScene(bytes.substr(header.made_of_bytes + header.scenario_bytes))};
+  const SceneFile made_of = loadSceneFileText(bytes.substr(0, header.made_of_bytes), "the saved scene");
+  return {
+      .condition = header.condition,
+      .opening = header.opening,
+      .made_of = made_of.bed.soil,
+      .scene_file = loadSceneFileText(bytes.substr(header.made_of_bytes, header.scene_file_bytes), "the saved scene"),
+      .scene = deserialiseSavedScene(bytes.substr(header.made_of_bytes + header.scene_file_bytes))};
 }
 
 void SceneObject::restore(std::string_view bytes) {
   const Saved saved = parsed(bytes);
-  const Scenario& now = saved.scenario;
+  const SceneFile& now = saved.scene_file;
   const bool same_bed =
-      withChangesOf(now, scenario_) == scenario_ && saved.made_of == made_of_ &&
+      withChangesOf(now, scene_file_) == scene_file_ && saved.made_of == made_of_ &&
       substepsFor(madeOf(now, made_of_).bed, stiffnessInStep(now.tool, made_of_.friction)) == scene_->substeps();
   if (!same_bed) {
     throw InvalidParameter("state", fmt::format("of the scene '{}'", now.title),
                            "of a scene made with the same parameters; hapto_scene_from_state() makes another scene");
   }
-  const Saved before{condition_, opening_, made_of_, scenario_, scene_->save()};
+  const Saved before{condition_, opening_, made_of_, scene_file_, scene_->save()};
   try {
     scene_->setTool(now.tool);
     goOn(saved);
   } catch (...) {
-    scene_->setTool(before.scenario.tool);
+    scene_->setTool(before.scene_file.tool);
     goOn(before);
     throw;
   }
-  const int threads = scenario_.bed.threads;
-  scenario_ = now;
-  scenario_.bed.threads = threads;  // the bed's own, which no state changes
+  const int threads = scene_file_.bed.threads;
+  scene_file_ = now;
+  scene_file_.bed.threads = threads;  // the bed's own, which no state changes
 }
 
 std::int32_t SceneObject::placeTool(const hapto_pose& at) noexcept {
   const Pose there = pose(at);
-  if (!there.position_m.allFinite() || !isUnit(there.orientation) || !isNearBed(scenario_.bed, there.position_m)) {
+  if (!there.position_m.allFinite() || !isUnit(there.orientation) || !isNearBed(scene_file_.bed, there.position_m)) {
     return HAPTO_INVALID_PARAMETER;
   }
   scene_->placeTool({{{there.position_m, unit(there.orientation)}, {}}, opening_});
@@ -216,7 +217,7 @@ std::int32_t SceneObject::step(const hapto_pose& to, const hapto_twist* given, h
     return condition_;
   }
   const Pose there = pose(to);
-  if (!there.position_m.allFinite() || !isUnit(there.orientation) || !isNearBed(scenario_.bed, there.position_m) ||
+  if (!there.position_m.allFinite() || !isUnit(there.orientation) || !isNearBed(scene_file_.bed, there.position_m) ||
       (given != nullptr && !isFinite(*given))) {
     return HAPTO_INVALID_PARAMETER;
   }
@@ -225,7 +226,7 @@ std::int32_t SceneObject::step(const hapto_pose& to, const hapto_twist* given, h
     hand.twist = twist(*given);
   } else {
     const Pose& from = scene_->toolPose();
-    const double tick_s = scenario_.bed.tick_s;
+    const double tick_s = scene_file_.bed.tick_s;
     hand.twist = {(hand.pose.position_m - from.position_m) / tick_s,
                   rotationBetween(from.orientation, hand.pose.orientation) / tick_s};
   }
@@ -243,33 +244,33 @@ std::int32_t SceneObject::step(const hapto_pose& to, const hapto_twist* given, h
 void SceneObject::setGravity(const Vec3& gravity_m_s2) noexcept {
   as_made_ = false;
   scene_->bed().setGravity(gravity_m_s2);
-  scenario_.bed.gravity_m_s2 = gravity_m_s2;
-  scenario_.body.clear();
+  scene_file_.bed.gravity_m_s2 = gravity_m_s2;
+  scene_file_.body.clear();
 }
 
 SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) const {
-  SceneChanges changes{.gravity_m_s2 = {}, .laws = {}, .tool = {}, .wanted = changed(scenario_, overrides)};
-  Scenario& wanted = changes.wanted;
-  wanted.bed.start = scenario_.bed.start;  // of soil that lies already
-  Scenario rest = withChangesOf(wanted, scenario_);
-  if (!(rest == scenario_)) {
+  SceneChanges changes{.gravity_m_s2 = {}, .laws = {}, .tool = {}, .wanted = changed(scene_file_, overrides)};
+  SceneFile& wanted = changes.wanted;
+  wanted.bed.start = scene_file_.bed.start;  // of soil that lies already
+  SceneFile rest = withChangesOf(wanted, scene_file_);
+  if (!(rest == scene_file_)) {
     throw InvalidParameter("overrides", fmt::format("{} keys", overrides.size()),
                            "of [soil], [gravity] and [tool] only; anything else needs another scene");
   }
-  if (wanted.bed.threads != scenario_.bed.threads) {
+  if (wanted.bed.threads != scene_file_.bed.threads) {
     throw InvalidParameter("bed.threads", fmt::format("{}", wanted.bed.threads),
-                           fmt::format("{} for as long as the scene lives", scenario_.bed.threads));
+                           fmt::format("{} for as long as the scene lives", scene_file_.bed.threads));
   }
   const double stiffness_n_m = stiffnessInStep(wanted.tool, wanted.bed.soil.friction);
-  if (!(wanted.tool == scenario_.tool)) {
+  if (!(wanted.tool == scene_file_.tool)) {
     if (substepsFor(madeOf(wanted, made_of_).bed, stiffness_n_m) != scene_->substeps()) {
       throw InvalidParameter("tool.stiffness_n_m", fmt::format("{}", wanted.tool.stiffness_n_m),
                              "as stiff as the tool before it: another number of steps in a tick needs another scene");
     }
     changes.tool = wanted.tool;
   }
-  if (!(wanted.bed.soil == scenario_.bed.soil)) {
-    BedParameters made = scenario_.bed;
+  if (!(wanted.bed.soil == scene_file_.bed.soil)) {
+    BedParameters made = scene_file_.bed;
     made.soil = made_of_;
     if (!isCompatible(made, wanted.bed.soil, stiffness_n_m)) {
       throw InvalidParameter(
@@ -279,7 +280,7 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
     }
     changes.laws.emplace(wanted.bed.soil, grainClasses(wanted.bed));
   }
-  if (wanted.bed.gravity_m_s2 != scenario_.bed.gravity_m_s2) {
+  if (wanted.bed.gravity_m_s2 != scene_file_.bed.gravity_m_s2) {
     changes.gravity_m_s2 = wanted.bed.gravity_m_s2;
   }
   return changes;
@@ -288,14 +289,14 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
 void SceneObject::takeBack(std::int32_t condition, double tool_fade) {
   condition_ = condition;
   scene_->setToolFade(tool_fade);
-  if (!(scene_->tool() == scenario_.tool)) {
-    scene_->setTool(scenario_.tool);
+  if (!(scene_->tool() == scene_file_.tool)) {
+    scene_->setTool(scene_file_.tool);
   }
   Bed& bed = scene_->bed();
-  if (!(bed.parameters().soil == scenario_.bed.soil)) {
-    bed.setSoil(SoilLaws(scenario_.bed.soil, grainClasses(scenario_.bed)));
+  if (!(bed.parameters().soil == scene_file_.bed.soil)) {
+    bed.setSoil(SoilLaws(scene_file_.bed.soil, grainClasses(scene_file_.bed)));
   }
-  bed.setGravity(scenario_.bed.gravity_m_s2);
+  bed.setGravity(scene_file_.bed.gravity_m_s2);
 }
 
 void SceneObject::carryOut(const SceneChanges& changes) {

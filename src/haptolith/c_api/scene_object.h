@@ -11,8 +11,8 @@
 
 #include "haptolith/bed/kernel/soil_laws.h"
 #include "haptolith/c_api/handles.h"
-#include "haptolith/scenario/scenario.h"
 #include "haptolith/scene/scene.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith::library {
 
@@ -21,14 +21,14 @@ struct SceneChanges {
   std::optional<Vec3> gravity_m_s2;
   std::optional<SoilLaws> laws;
   std::optional<ToolParameters> tool;
-  Scenario wanted;
+  SceneFile wanted;
 };
 
 /// A scene behind a handle: the scene itself, and the parameters that it has now.
 class SceneObject {
  public:
   /// @throws InvalidParameter, Failure: as Scene.
-  SceneObject(const Scenario& scenario, const SettleProgress& progress);
+  SceneObject(const SceneFile& scene_file, const SettleProgress& progress);
   /// Goes on from the bytes of save(). @throws Failure when they are none, of another version or instruction set;
   /// InvalidParameter as Scene.
   explicit SceneObject(std::string_view saved);
@@ -50,11 +50,11 @@ class SceneObject {
   [[nodiscard]] SceneChanges planned(const std::vector<std::string>& overrides) const;
   void carryOut(const SceneChanges& changes);
   /// A loop has carried them out.
-  void note(const SceneChanges& changes) { scenario_ = changes.wanted; }
+  void note(const SceneChanges& changes) { scene_file_ = changes.wanted; }
 
   [[nodiscard]] Scene& scene() noexcept { return *scene_; }
   [[nodiscard]] const Scene& scene() const noexcept { return *scene_; }
-  [[nodiscard]] const Scenario& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const SceneFile& sceneFile() const noexcept { return scene_file_; }
   /// HAPTO_OK, or what the bed has come to.
   [[nodiscard]] std::int32_t condition() const noexcept { return condition_; }
   /// For a recording that begins now: 0 when soil and tool are as the scene says, else ticks so far, at least 1.
@@ -68,7 +68,7 @@ class SceneObject {
   explicit SceneObject(const Saved& saved);
   void goOn(const Saved& saved);
 
-  Scenario scenario_;
+  SceneFile scene_file_;
   SoilParameters made_of_;  ///< the soil that the bed was made with: its neighbour lists reach as far as that needs
   std::unique_ptr<Scene> scene_;
   std::int32_t condition_ = HAPTO_OK;

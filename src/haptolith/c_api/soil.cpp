@@ -13,7 +13,7 @@
 #include "haptolith/c_api/result.h"
 #include "haptolith/c_api/soil_object.h"
 #include "haptolith/c_api/values.h"
-#include "haptolith/scenario/soil_file_keys.h"
+#include "haptolith/scene_file/soil_file_keys.h"
 #include "haptolith/soil/layers.h"
 
 using namespace haptolith;
@@ -35,7 +35,7 @@ std::optional<double> numberAt(std::string_view dotted, std::span<const FileKey<
 }
 
 std::optional<double> numberAt(const NamedSoil& soil, std::string_view key) {
-  Scenario scene;
+  SceneFile scene;
   scene.bed.soil = soil.soil;
   if (const auto number = numberAt(key, soilKeys(), scene)) {
     return number;

@@ -59,16 +59,16 @@ std::vector<int> usableCores() {
 }
 
 /// All that a measurement depends on.
-std::string keyOf(const Scenario& scenario, const std::vector<int>& threads) {
-  Scenario measured;  // what is measured of it
-  measured.bed = scenario.bed;
-  measured.bed.soil = rescaled(scenario.bed.soil, kGrainRadii_m.front());
+std::string keyOf(const SceneFile& scene_file, const std::vector<int>& threads) {
+  SceneFile measured;  // what is measured of it
+  measured.bed = scene_file.bed;
+  measured.bed.soil = rescaled(scene_file.bed.soil, kGrainRadii_m.front());
   measured.bed.threads = 1;
-  measured.tool = scenario.tool;
-  measured.mesh = scenario.mesh;
+  measured.tool = scene_file.tool;
+  measured.mesh = scene_file.mesh;
   return fmt::format("measurement {} haptolith {} {} cores {} {} cpu {} threads {} tick {} us\n{}", kMeasurement,
-                     HAPTOLITH_VERSION, processor(), fmt::join(usableCores(), ","), simdTarget(), scenario.loop.cpu,
-                     fmt::join(threads, ","), kFinestTick_us, scenarioText(measured));
+                     HAPTOLITH_VERSION, processor(), fmt::join(usableCores(), ","), simdTarget(), scene_file.loop.cpu,
+                     fmt::join(threads, ","), kFinestTick_us, sceneFileText(measured));
 }
 
 std::string hashOf(std::string_view bytes) {
@@ -133,8 +133,8 @@ bool setsKey(std::span<const std::string> overrides, std::string_view table_and_
   });
 }
 
-bool canBeFitted(const Scenario& scenario) {
-  return scenario.bed.start == BedStart::kSettled && grainClasses(scenario.bed) == 1;
+bool canBeFitted(const SceneFile& scene_file) {
+  return scene_file.bed.start == BedStart::kSettled && grainClasses(scene_file.bed) == 1;
 }
 
 std::string keptText(const FinestGrain& finest, std::string_view key) {
@@ -156,32 +156,32 @@ std::optional<FinestGrain> finestIn(std::string_view kept, std::string_view key)
   return sound ? std::optional(FinestGrain{.chosen = *chosen, .too_slow = too_slow}) : std::nullopt;
 }
 
-FinestGrain fitToMachine(Scenario& scenario, const MachineFitOptions& options, const std::atomic<bool>& stop) {
-  if (!canBeFitted(scenario)) {
-    throw InvalidParameter("finest", fmt::format("'{}'", scenario.title),
+FinestGrain fitToMachine(SceneFile& scene_file, const MachineFitOptions& options, const std::atomic<bool>& stop) {
+  if (!canBeFitted(scene_file)) {
+    throw InvalidParameter("finest", fmt::format("'{}'", scene_file.title),
                            "a scene whose bed starts as settled, of particles of one size");
   }
   std::vector<int> threads{options.threads.value_or(1)};
   if (const int more = loopThreads(); !options.threads && more > 1) {
     threads.push_back(more);
   }
-  const std::string key = keyOf(scenario, threads);
+  const std::string key = keyOf(scene_file, threads);
   const fs::path file = options.folder.empty() ? fs::path() : options.folder / ("machine-" + hashOf(key));
   std::optional<FinestGrain> finest = file.empty() || options.measure_again ? std::nullopt : readKept(file, key);
   if (!finest) {
     if (options.measuring) {
       options.measuring();
     }
-    LoopParameters loop = scenario.loop;
+    LoopParameters loop = scene_file.loop;
     loop.paced = true;
-    finest = finestGrain(scenario.bed, scenario.tool, loop, threads, stop);
+    finest = finestGrain(scene_file.bed, scene_file.tool, loop, threads, stop);
     if (!file.empty()) {
       keep(file, keptText(*finest, key));
     }
   }
-  scenario.bed.soil = rescaled(scenario.bed.soil, finest->chosen.radius_m);
-  scenario.bed.threads = finest->chosen.threads;
-  makeToolMesh(scenario);
+  scene_file.bed.soil = rescaled(scene_file.bed.soil, finest->chosen.radius_m);
+  scene_file.bed.threads = finest->chosen.threads;
+  makeToolMesh(scene_file);
   return *finest;
 }
 

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "haptolith/machine/finest_grain.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
 
@@ -32,13 +32,13 @@ struct MachineFitOptions {
 [[nodiscard]] bool setsKey(std::span<const std::string> overrides, std::string_view table_and_key);
 
 /// Whether the particles of a scene can be chosen: its bed starts as settled, with particles of one size.
-[[nodiscard]] bool canBeFitted(const Scenario& scenario);
+[[nodiscard]] bool canBeFitted(const SceneFile& scene_file);
 
 /// Gives the scene the finest particles that this machine holds in time, and the threads for them: finestGrain(), or
 /// what it came to the last time with this processor, these usable cores, instruction set, CPU of the loop and version
 /// of the program. Not for the tick.
 /// @throws InvalidParameter unless canBeFitted(); Failure when no size fits the bed or `stop` becomes true.
-FinestGrain fitToMachine(Scenario& scenario, const MachineFitOptions& options, const std::atomic<bool>& stop);
+FinestGrain fitToMachine(SceneFile& scene_file, const MachineFitOptions& options, const std::atomic<bool>& stop);
 
 /// What was chosen, in a line: "4.4 mm particles on 1 thread: the finest soil this machine renders in time (1170
 /// particles; 4 mm would need 0.71 ms a tick)". @param particles  of the bed that was made.

@@ -37,7 +37,7 @@ void exportVtk(RecordedPictures& pictures, const AtomicFolder& folder) {
     folder.write(name, particlesFile(picture).text());
     particles.add(picture.time_s, name);
     if (picture.tool) {
-      VtuFile tool(toolMesh(pictures.scenario()->tool, *picture.tool));
+      VtuFile tool(toolMesh(pictures.sceneFile()->tool, *picture.tool));
       tool.addTime(picture.time_s);
       for (const NamedNumbers& numbers : numbersOf(*picture.tool)) {
         tool.addNumbers(numbers);
@@ -63,8 +63,8 @@ void exportVtk(RecordedPictures& pictures, const AtomicFolder& folder) {
   if (!stones.empty()) {
     folder.write("stones.pvd", stones.text());
   }
-  if (pictures.scenario()) {
-    folder.write("box.vtu", VtuFile(box.of(pictures.scenario()->bed)).text());
+  if (pictures.sceneFile()) {
+    folder.write("box.vtu", VtuFile(box.of(pictures.sceneFile()->bed)).text());
   }
 }
 

@@ -151,7 +151,7 @@ class XdmfFolder {
       : pictures_(pictures), folder_(folder), data_(folder.makingPath() / kDataFile, folder.path() / kDataFile) {
     data_.writeText("schema", "haptolith pictures");
     data_.writeText("title", pictures.header().title);
-    data_.writeText("scenario", pictures.header().scenario);
+    data_.writeText("scenario", pictures.header().scene_file);
   }
 
   void add(const ScenePicture& picture) {
@@ -177,8 +177,8 @@ class XdmfFolder {
     if (!stones_.empty()) {
       folder_.write("stones.xdmf", overTime("stones", stones_));
     }
-    if (pictures_.scenario()) {
-      const PictureMesh box = box_.of(pictures_.scenario()->bed);
+    if (pictures_.sceneFile()) {
+      const PictureMesh box = box_.of(pictures_.sceneFile()->bed);
       const std::string edges = data_.write("/box/edges", box.cells, 2);
       folder_.write("box.xdmf", document(grid("box", "",
                                               topology("Polyline", 2, box.cells.size() / 2, edges) +
@@ -206,7 +206,7 @@ class XdmfFolder {
   }
 
   void addTool(const ScenePicture& picture, const PicturedTool& at) {
-    const PictureMesh tool = toolMesh(pictures_.scenario()->tool, at);
+    const PictureMesh tool = toolMesh(pictures_.sceneFile()->tool, at);
     if (triangles_.empty()) {
       triangles_ = topology("Triangle", 3, tool.cells.size() / 3, data_.write("/tool/triangles", tool.cells, 3));
     }

@@ -30,9 +30,9 @@ std::vector<FrameRow> rowsWithParticles(const RecordingReader& recording) {
   return rows;
 }
 
-std::optional<Scenario> sceneOf(const RecordingReader& recording) {
+std::optional<SceneFile> sceneOf(const RecordingReader& recording) {
   try {
-    return loadScenarioText(recording.header().scenario, "the recorded scene");
+    return loadSceneFileText(recording.header().scene_file, "the recorded scene");
   } catch (const InvalidParameter&) {
     return std::nullopt;
   } catch (const Failure&) {
@@ -69,12 +69,12 @@ void addContacts(ScenePicture& picture, const BedParameters& bed, std::span<cons
 }
 
 /// How far open the jaws are that the device holds.
-double openingOf(const Scenario& scenario, const TickRecord& tick) {
-  if (scenario.tool.shape != ToolShape::kJaws) {
+double openingOf(const SceneFile& scene_file, const TickRecord& tick) {
+  if (scene_file.tool.shape != ToolShape::kJaws) {
     return 0;
   }
-  const double share = scenario.handling.mapping.gripper ? tick.device.gripper_open : 1;
-  return scenario.tool.opening_m * (std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 1);
+  const double share = scene_file.handling.mapping.gripper ? tick.device.gripper_open : 1;
+  return scene_file.tool.opening_m * (std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 1);
 }
 
 std::string whyItEnded(const ReplayResult& result) {
@@ -94,7 +94,7 @@ RecordedPictures::RecordedPictures(const RecordingReader& recording, Options opt
     : recording_(recording),
       options_(std::move(options)),
       rows_(rowsWithParticles(recording)),
-      scenario_(sceneOf(recording)) {
+      scene_file_(sceneOf(recording)) {
   if (options_.replay && !rows_.empty()) {
     prepareReplay();
   }
@@ -157,7 +157,7 @@ void RecordedPictures::takeReplayed(const Take& take) {
 }
 
 void RecordedPictures::takeRecorded(const Take& take) {
-  bool scene_known = scenario_.has_value();
+  bool scene_known = scene_file_.has_value();
   const auto take_next = [&](const TickRecord* tick) {
     goOn(rows_[next_].time_s);
     take(recordedPicture(rows_[next_], tick, scene_known));
@@ -215,9 +215,9 @@ ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRe
     const auto& [x, y, z] = picture.position_m[i];
     position[i] = {x, y, z, i < excess_m.size() ? excess_m[i] : kUnknown};
   }
-  addContacts(picture, scenario_->bed, position);
+  addContacts(picture, scene_file_->bed, position);
   if (tick != nullptr) {
-    picture.tool = {.pose = tick->scene_T_tool, .opening_m = openingOf(*scenario_, *tick), .soil = tick->soil};
+    picture.tool = {.pose = tick->scene_T_tool, .opening_m = openingOf(*scene_file_, *tick), .soil = tick->soil};
   }
   return picture;
 }
@@ -226,8 +226,8 @@ ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRe
 /// grain is how large in one that is graded, repeated from a settled tile or has stones in it follows from how it was
 /// made, so that bed is made once more.
 const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std::array<float, 3>>& position_m) {
-  const SoilParameters& soil = scenario_->bed.soil;
-  const BedParameters& made_of = scenario_->bed;
+  const SoilParameters& soil = scene_file_->bed.soil;
+  const BedParameters& made_of = scene_file_->bed;
   const bool all_alike = soil.friction != FrictionModel::kContact || soil.size_spread == 0;
   const bool has_own_sizes = made_of.start == BedStart::kSettled || made_of.start == BedStart::kGiven;
   const bool by_seed = grainClasses(made_of) == 1 && (all_alike || (!has_own_sizes && !made_of.stones.any()));
@@ -242,7 +242,7 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
       if (replay_) {
         take_from(replay_->loop().shownScene().scene.bed());
       } else if (header().instruction_set == simdTarget()) {  // another one settles otherwise
-        take_from(Bed(scenario_->bed, options_.settling));
+        take_from(Bed(scene_file_->bed, options_.settling));
       }
     } catch (const Failure&) {
       goOn(0);
@@ -259,7 +259,7 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
       centres_m.emplace_back(x, y, z);
     }
     try {
-      take_from(Bed(scenario_->bed, centres_m));
+      take_from(Bed(scene_file_->bed, centres_m));
     } catch (const InvalidParameter&) {
       radius_excess_m_->clear();  // no such bed can be made: radii stay unknown
     }

@@ -12,7 +12,7 @@
 #include "haptolith/core/vec.h"
 #include "haptolith/recording/recording_reader.h"
 #include "haptolith/recording/replay.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/stone/stone_shape.h"
 
 namespace haptolith {
@@ -59,7 +59,7 @@ class RecordedPictures {
   /// Those that hold particles.
   [[nodiscard]] std::size_t count() const noexcept { return rows_.size(); }
   /// The scene at the recording's beginning; none when this program cannot read it.
-  [[nodiscard]] const std::optional<Scenario>& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const std::optional<SceneFile>& sceneFile() const noexcept { return scene_file_; }
   [[nodiscard]] const RecordingHeader& header() const noexcept { return recording_.header(); }
   /// Whether velocities are looked for at all; else ScenePicture has none.
   [[nodiscard]] bool replays() const noexcept { return replay_.has_value(); }
@@ -87,7 +87,7 @@ class RecordedPictures {
   const RecordingReader& recording_;
   Options options_;
   std::vector<FrameRow> rows_;
-  std::optional<Scenario> scenario_;
+  std::optional<SceneFile> scene_file_;
   std::optional<Replay> replay_;
   std::optional<std::vector<float>> radius_excess_m_;  ///< of each particle over the mean, once it was needed
   std::size_t next_ = 0, replayed_ = 0;

@@ -24,7 +24,7 @@ inline constexpr std::size_t kLongestHeaderText = std::size_t{1} << 20;
 
 /// What a recording tells about its run: what is needed to run it again, and what a person wants to know years later.
 struct RecordingHeader {
-  std::string scenario;         ///< the scene as TOML, with the mesh of its tool
+  std::string scene_file;       ///< the scene as TOML, with the mesh of its tool
   std::string title;            ///< of the scene
   std::string program_version;  ///< of haptolith
   std::string instruction_set;  ///< simdTarget(): another one has other last bits

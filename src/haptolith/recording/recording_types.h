@@ -58,7 +58,7 @@ struct HeaderEntry {
 };
 
 inline constexpr HeaderEntry kHeaderEntries[]{
-    {"scenario", &RecordingHeader::scenario},
+    {"scenario", &RecordingHeader::scene_file},
     {"title", &RecordingHeader::title},
     {"program_version", &RecordingHeader::program_version},
     {"instruction_set", &RecordingHeader::instruction_set},

@@ -90,19 +90,20 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
                     "then is not known; record a whole run with 'haptolith run --record'",
                     header.start_tick));
   }
-  scenario_ = loadScenarioText(header.scenario, "the recorded scene");
-  scenario_.bed.threads = threads.value_or(scenario_.bed.threads);
-  scenario_.loop.paced = false;
-  scene_ = std::make_unique<Scene>(scenario_.bed, scenario_.tool, progress);
+  scene_file_ = loadSceneFileText(header.scene_file, "the recorded scene");
+  scene_file_.bed.threads = threads.value_or(scene_file_.bed.threads);
+  scene_file_.loop.paced = false;
+  scene_ = std::make_unique<Scene>(scene_file_.bed, scene_file_.tool, progress);
   const DeclaredLimits declared = limitsOf(header.device_limits);
   device_ = std::make_unique<ReplayDevice>(header.device, declared.limits, declared.simulated);
-  const double surface_m = scenario_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
+  const double surface_m = scene_file_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
   // A host's own device is named by no scene, which names the virtual hand then. What leads the virtual hand
   // from elsewhere is called after it, and shares its frame.
-  const bool own = scenario_.device.kind == DeviceKind::kVirtualHand && !header.device.starts_with(VirtualHand::kName);
+  const bool own =
+      scene_file_.device.kind == DeviceKind::kVirtualHand && !header.device.starts_with(VirtualHand::kName);
   const HandlingParameters handling =
-      own ? handlingOfOwnDevice(scenario_, surface_m) : handlingOf(scenario_, surface_m);
-  loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scenario_.loop, true, handling);
+      own ? handlingOfOwnDevice(scene_file_, surface_m) : handlingOf(scene_file_, surface_m);
+  loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scene_file_.loop, true, handling);
   loop_->hashRecords();
   for (const RecordingEvent& event : recording.readEvents(0, recording.events())) {
     if (event.kind == kAdjustmentKind) {
@@ -144,9 +145,9 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
           return result;
         }
         const SoilAdjustment& adjustment = adjustments_.front();
-        validate(adjustment.of(scenario_.bed.soil));
+        validate(adjustment.of(scene_file_.bed.soil));
         requireInRange("tool_friction", adjustment.tool_friction, ToolRanges::friction);
-        loop_->ask(request::Adjust{SoilLaws(adjustment.of(scenario_.bed.soil), grainClasses(scenario_.bed)),
+        loop_->ask(request::Adjust{SoilLaws(adjustment.of(scene_file_.bed.soil), grainClasses(scene_file_.bed)),
                                    adjustment.tool_friction});
         adjustments_.pop_front();
       }

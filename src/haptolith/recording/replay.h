@@ -10,7 +10,7 @@
 #include "haptolith/device/replay_device.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/recording/recording_reader.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
 
@@ -53,12 +53,12 @@ class Replay {
   /// @param go_on  called after each tick with its record and the replayed one; false ends it.
   [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on);
 
-  [[nodiscard]] const Scenario& scenario() const noexcept { return scenario_; }
+  [[nodiscard]] const SceneFile& sceneFile() const noexcept { return scene_file_; }
   [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
 
  private:
   const RecordingReader& recording_;
-  Scenario scenario_;
+  SceneFile scene_file_;
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<ReplayDevice> device_;
   std::unique_ptr<HapticLoop> loop_;

@@ -48,12 +48,12 @@ void changeStones(std::vector<PlacedStone>& stones, const SceneChange& change) {
   }
 }
 
-void changeGravity(Scenario& scenario, double gravity_m_s2) {
-  Vec3& gravity = scenario.bed.gravity_m_s2;
+void changeGravity(SceneFile& scene_file, double gravity_m_s2) {
+  Vec3& gravity = scene_file.bed.gravity_m_s2;
   const double now_m_s2 = gravity.norm();
   requireInRange("gravity_m_s2", gravity_m_s2, BedRanges::gravity_m_s2);
   gravity = now_m_s2 > 0 ? Vec3(gravity * (gravity_m_s2 / now_m_s2)) : Vec3(0, 0, -gravity_m_s2);
-  scenario.body.clear();
+  scene_file.body.clear();
 }
 
 }  // namespace
@@ -75,34 +75,34 @@ void requireFitting(const MeshCorners& mesh, const std::string& name, const Rang
   }
 }
 
-Scenario changed(Scenario scenario, const SceneChange& change) {
+SceneFile changed(SceneFile scene_file, const SceneChange& change) {
   if (change.preset && change.soil) {
     throw InvalidParameter("soil", *change.soil, "left out when there is a preset");
   }
-  const std::string before = sceneInWords(scenario);
+  const std::string before = sceneInWords(scene_file);
   if (change.preset) {
-    changePreset(scenario, *change.preset);
+    changePreset(scene_file, *change.preset);
   }
   if (change.soil) {
-    changeSoil(scenario, *change.soil);
+    changeSoil(scene_file, *change.soil);
   }
-  scenario.bed.soil.friction = change.friction.value_or(scenario.bed.soil.friction);
+  scene_file.bed.soil.friction = change.friction.value_or(scene_file.bed.soil.friction);
   for (const auto& [key, value] : change.sliders) {
-    scenario.bed.soil = withSlider(scenario.bed.soil, key, value, calibrationOf(scenario));
+    scene_file.bed.soil = withSlider(scene_file.bed.soil, key, value, calibrationOf(scene_file));
   }
   if (change.body) {
-    changeBody(scenario, *change.body);
+    changeBody(scene_file, *change.body);
   }
   if (change.gravity_m_s2) {
-    changeGravity(scenario, *change.gravity_m_s2);
+    changeGravity(scene_file, *change.gravity_m_s2);
   }
   if (change.soil_depth_m) {
-    changeDepth(scenario.bed, *change.soil_depth_m);
+    changeDepth(scene_file.bed, *change.soil_depth_m);
   }
-  changeStones(scenario.bed.stones.placed, change);
-  ToolParameters& tool = scenario.tool;
+  changeStones(scene_file.bed.stones.placed, change);
+  ToolParameters& tool = scene_file.tool;
   tool.shape = change.tool_shape.value_or(tool.shape);
-  const Range lengths_m = toolLengths(scenario.bed);
+  const Range lengths_m = toolLengths(scene_file.bed);
   for (int axis = 0; axis < 3 && change.tool_size_m; ++axis) {
     tool.size_m[axis] = checkedLength("size_mm", (*change.tool_size_m)[axis], lengths_m);
   }
@@ -114,15 +114,15 @@ Scenario changed(Scenario scenario, const SceneChange& change) {
   set(tool.opening_m, "opening_mm", change.tool_opening_m);
   set(tool.length_m, "length_mm", change.tool_length_m);
   if (change.tool_mesh) {
-    scenario.mesh = *change.tool_mesh;
+    scene_file.mesh = *change.tool_mesh;
   }
-  makeToolMesh(scenario);
+  makeToolMesh(scene_file);
   if (change.tool_mesh) {
-    requireFitting(scenario.tool.mesh->field.corners(), scenario.mesh.name, lengths_m);
+    requireFitting(scene_file.tool.mesh->field.corners(), scene_file.mesh.name, lengths_m);
   }
-  retitle(scenario, before);
-  validate(scenario);
-  return scenario;
+  retitle(scene_file, before);
+  validate(scene_file);
+  return scene_file;
 }
 
 }  // namespace haptolith

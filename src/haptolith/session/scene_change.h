@@ -7,7 +7,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/tool/tool_mesh.h"
 
 namespace haptolith {
@@ -41,6 +41,6 @@ void requireFitting(const MeshCorners& mesh, const std::string& name, const Rang
 
 /// The scene with the change made. @throws InvalidParameter naming what cannot be; Failure when a soil file cannot be
 /// read.
-[[nodiscard]] Scenario changed(Scenario scenario, const SceneChange& change);
+[[nodiscard]] SceneFile changed(SceneFile scene_file, const SceneChange& change);
 
 }  // namespace haptolith

@@ -11,7 +11,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/async.h"
 #include "haptolith/device/drivers/open_device.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -30,19 +30,19 @@ constexpr double kAboveSurface_m = 0.35;
 constexpr std::size_t kMaxCachedBeds = 64;
 
 /// Before anything is made or moves.
-Scenario forItsHand(Scenario scenario, const HapticDevice* device) {
-  if (device == nullptr && scenario.device.kind != DeviceKind::kVirtualHand && !scenario.loop.paced) {
+SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
+  if (device == nullptr && scene_file.device.kind != DeviceKind::kVirtualHand && !scene_file.loop.paced) {
     throw InvalidParameter("paced", "false",
                            fmt::format("true (without --unpaced) while a person may hold the tool at the device '{}': "
                                        "what a hand feels must keep time with the clock",
-                                       wordFor(kDeviceWords, scenario.device.kind)));
+                                       wordFor(kDeviceWords, scene_file.device.kind)));
   }
-  return scenario;
+  return scene_file;
 }
 
-void requireEnoughSubsteps(const Scenario& scenario) {
-  const BedParameters& bed = scenario.bed;
-  (void)substepsFor(bed, stiffnessInStep(scenario.tool, bed.soil.friction));
+void requireEnoughSubsteps(const SceneFile& scene_file) {
+  const BedParameters& bed = scene_file.bed;
+  (void)substepsFor(bed, stiffnessInStep(scene_file.tool, bed.soil.friction));
 }
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
@@ -66,41 +66,41 @@ struct Session::MakingMesh {
   std::future<std::shared_ptr<const ToolMesh>> result;
 };
 
-Session::Showing Session::showNew(const Scenario& scenario, const SettleProgress& progress) {
+Session::Showing Session::showNew(const SceneFile& scene_file, const SettleProgress& progress) {
   Showing made;
-  made.scenario = scenario;
-  made.made_of = scenario.bed;
-  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, progress);
+  made.scene_file = scene_file;
+  made.made_of = scene_file.bed;
+  made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, progress);
   const Bed& bed = made.scene->bed();
-  made.fresh =
-      std::make_shared<const Fresh>(Fresh{scenario.bed, made.scene->save(), bed.heldParticles(), bed.surfaceHeight()});
+  made.fresh = std::make_shared<const Fresh>(
+      Fresh{scene_file.bed, made.scene->save(), bed.heldParticles(), bed.surfaceHeight()});
   return made;
 }
 
-Session::Showing Session::showFresh(const Scenario& scenario, std::shared_ptr<const Fresh> fresh) {
+Session::Showing Session::showFresh(const SceneFile& scene_file, std::shared_ptr<const Fresh> fresh) {
   Showing made;
-  made.scenario = scenario;
-  made.made_of = scenario.bed;
+  made.scene_file = scene_file;
+  made.made_of = scene_file.bed;
   SavedScene saved = fresh->saved;
-  saved.opening_m = scenario.tool.opening_m;  // of another tool, perhaps
-  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, saved);
+  saved.opening_m = scene_file.tool.opening_m;  // of another tool, perhaps
+  made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, saved);
   made.fresh = std::move(fresh);
   return made;
 }
 
-Session::Showing Session::showLying(const Scenario& scenario, const LyingSoil& lying,
+Session::Showing Session::showLying(const SceneFile& scene_file, const LyingSoil& lying,
                                     std::shared_ptr<const Fresh> fresh) {
   Showing made;
-  made.scenario = scenario;
-  made.made_of = scenario.bed;
-  made.scene = std::make_unique<Scene>(scenario.bed, scenario.tool, lying);
+  made.scene_file = scene_file;
+  made.made_of = scene_file.bed;
+  made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, lying);
   made.fresh = std::move(fresh);
   return made;
 }
 
-Session::Session(Scenario scenario, bool keep_records, const SettleProgress& progress,
+Session::Session(SceneFile scene_file, bool keep_records, const SettleProgress& progress,
                  std::unique_ptr<HapticDevice> device)
-    : initial_(forItsHand(std::move(scenario), device.get())),
+    : initial_(forItsHand(std::move(scene_file), device.get())),
       wanted_(initial_),
       current_(showNew(initial_, progress)) {
   keepFresh(current_.fresh);
@@ -218,7 +218,7 @@ bool Session::takeMade() {
   } catch (const std::exception& error) {  // the bed that is there stays
     if (!made->unwanted) {
       problem_ = error.what();
-      wanted_ = current_.scenario;
+      wanted_ = current_.scene_file;
     }
   }
   return true;
@@ -261,7 +261,7 @@ bool Session::takeMadeMesh() {
 }
 
 void Session::change(const SceneChange& change) {
-  const Scenario next = changed(wanted_, change);
+  const SceneFile next = changed(wanted_, change);
   requireEnoughSubsteps(next);
   problem_.clear();
   wanted_ = next;
@@ -280,7 +280,7 @@ void Session::reset() {
 }
 
 void Session::show(std::span<const SceneChange> changes) {
-  Scenario next = initial_;
+  SceneFile next = initial_;
   for (const SceneChange& change : changes) {
     next = changed(std::move(next), change);
   }
@@ -299,7 +299,7 @@ void Session::level() {
 }
 
 void Session::coarsen() {
-  Scenario next = wanted_, begin = initial_;
+  SceneFile next = wanted_, begin = initial_;
   makeCoarser(next);
   begin.bed.soil = rescaled(begin.bed.soil, next.bed.soil.radius_m);
   validate(begin);
@@ -319,7 +319,7 @@ void Session::undo() {
   problem_.clear();
   current_.replaced_by = previous_->replaced_by;
   current_.taken_back = !previous_->taken_back;
-  wanted_ = previous_->scenario;
+  wanted_ = previous_->scene_file;
   tellMotion(wanted_);
   bringOnStage(std::move(*previous_));
   previous_.reset();
@@ -347,7 +347,7 @@ void Session::pursue() {
 
 /// What the loop does not take now is asked for again at the next poll().
 void Session::changeWhatIsThere() {
-  Scenario& now = current_.scenario;
+  SceneFile& now = current_.scene_file;
   if (wanted_.bed.gravity_m_s2 != now.bed.gravity_m_s2) {
     if (!loop_->ask(request::Gravity{wanted_.bed.gravity_m_s2})) {
       return;
@@ -373,8 +373,8 @@ void Session::changeWhatIsThere() {
   }
 }
 
-std::shared_ptr<const Session::Fresh> Session::freshFor(const Scenario& scenario) const {
-  const auto same = [&scenario](const std::shared_ptr<const Fresh>& fresh) { return fresh->bed == scenario.bed; };
+std::shared_ptr<const Session::Fresh> Session::freshFor(const SceneFile& scene_file) const {
+  const auto same = [&scene_file](const std::shared_ptr<const Fresh>& fresh) { return fresh->bed == scene_file.bed; };
   const auto found = std::ranges::find_if(fresh_, same);
   return found == fresh_.end() ? nullptr : *found;
 }
@@ -399,21 +399,21 @@ void Session::make(std::string_view why, bool as_it_lies) {
   auto making = std::make_unique<Making>();
   making->why = why;
   try {
-    making->result =
-        setOut(Work::kBeside, [scenario = wanted_, fresh, as_it_lies, lying = std::move(lying), making = making.get()] {
-          const auto progress = [making](double time_s, double) {
-            making->settled_s = time_s;
-            return !making->unwanted;
-          };
-          Showing made = as_it_lies ? showLying(scenario, lying, fresh)
-                         : fresh    ? showFresh(scenario, fresh)  // no need to settle again
-                                    : showNew(scenario, progress);
-          made.own_shown = std::make_unique<ShownScene>(*made.scene);
-          made.shown = made.own_shown.get();
-          return made;
-        });
+    making->result = setOut(Work::kBeside,
+                            [scene_file = wanted_, fresh, as_it_lies, lying = std::move(lying), making = making.get()] {
+                              const auto progress = [making](double time_s, double) {
+                                making->settled_s = time_s;
+                                return !making->unwanted;
+                              };
+                              Showing made = as_it_lies ? showLying(scene_file, lying, fresh)
+                                             : fresh    ? showFresh(scene_file, fresh)  // no need to settle again
+                                                        : showNew(scene_file, progress);
+                              made.own_shown = std::make_unique<ShownScene>(*made.scene);
+                              made.shown = made.own_shown.get();
+                              return made;
+                            });
   } catch (const std::exception& error) {  // no thread: the bed that is there stays
-    wanted_ = current_.scenario;
+    wanted_ = current_.scene_file;
     throw Failure(fmt::format("no other bed can be made now: {}", error.what()));
   }
   making_ = std::move(making);
@@ -426,21 +426,21 @@ void Session::bringOnStage(Showing next) {
 }
 
 bool Session::adjust(const SoilAdjustment& adjustment) {
-  Scenario next = current_.scenario;
+  SceneFile next = current_.scene_file;
   next.bed.soil = adjustment.of(next.bed.soil);
   next.tool.friction = adjustment.tool_friction;
   validate(next.bed.soil);
   validate(next.tool);
-  if (making_ || coming_ || !bed_wanted_.empty() || wanted_.bed.soil != current_.scenario.bed.soil ||
-      !sameTool(wanted_.tool, current_.scenario.tool) ||
-      (next.bed.soil.contact_cohesion_n > 0) != (current_.scenario.bed.soil.contact_cohesion_n > 0) ||
+  if (making_ || coming_ || !bed_wanted_.empty() || wanted_.bed.soil != current_.scene_file.bed.soil ||
+      !sameTool(wanted_.tool, current_.scene_file.tool) ||
+      (next.bed.soil.contact_cohesion_n > 0) != (current_.scene_file.bed.soil.contact_cohesion_n > 0) ||
       !isCompatible(current_.made_of, next.bed.soil, stiffnessInStep(next.tool, next.bed.soil.friction)) ||
       !loop_->ask(request::Adjust{SoilLaws(next.bed.soil, grainClasses(next.bed)), next.tool.friction})) {
     return false;
   }
-  for (Scenario* scenario : {&current_.scenario, &wanted_}) {
-    scenario->bed.soil = next.bed.soil;
-    scenario->tool.friction = next.tool.friction;
+  for (SceneFile* scene_file : {&current_.scene_file, &wanted_}) {
+    scene_file->bed.soil = next.bed.soil;
+    scene_file->tool.friction = next.tool.friction;
   }
   return true;
 }
@@ -510,25 +510,25 @@ void Session::play(Manoeuvre manoeuvre) {
   command_.held.reset();
   command_.manoeuvre = manoeuvre;
   tellMotion(wanted_);
-  tellMotion(current_.scenario);
+  tellMotion(current_.scene_file);
   ++command_.beginnings;
   commandHand();
 }
 
 /// The title may name the motion.
-void Session::tellMotion(Scenario& scenario) const {
-  const std::string before = sceneInWords(scenario);
-  scenario.hand.manoeuvre = command_.manoeuvre;
-  retitle(scenario, before);
+void Session::tellMotion(SceneFile& scene_file) const {
+  const std::string before = sceneInWords(scene_file);
+  scene_file.hand.manoeuvre = command_.manoeuvre;
+  retitle(scene_file, before);
 }
 
 Vec3 Session::workspaceLow() const noexcept {
-  const BedParameters& bed = current_.scenario.bed;
+  const BedParameters& bed = current_.scene_file.bed;
   return {-bed.width_m / 2 - kBesideBox_m, -bed.length_m / 2 - kBesideBox_m, 0};
 }
 
 Vec3 Session::workspaceHigh() const noexcept {
-  const BedParameters& bed = current_.scenario.bed;
+  const BedParameters& bed = current_.scene_file.bed;
   return {bed.width_m / 2 + kBesideBox_m, bed.length_m / 2 + kBesideBox_m, surface() + kAboveSurface_m};
 }
 

@@ -13,7 +13,7 @@
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/haptics/loop/loop_thread.h"
 #include "haptolith/haptics/safety/last_resort.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/session/scene_change.h"
 #include "haptolith/tool/tool_mesh.h"
 
@@ -24,9 +24,9 @@ namespace haptolith {
 /// which is not the loop's; none of them can delay a tick.
 class Session {
  public:
-  /// Makes the first bed, telling `progress`, and opens the scenario's device, unless it is given another.
+  /// Makes the first bed, telling `progress`, and opens the scene file's device, unless it is given another.
   /// @throws InvalidParameter, Failure: as Scene, VirtualHand, openDevice() and HapticLoop.
-  Session(Scenario scenario, bool keep_records, const SettleProgress& progress = {},
+  Session(SceneFile scene_file, bool keep_records, const SettleProgress& progress = {},
           std::unique_ptr<HapticDevice> device = nullptr);
   ~Session();
 
@@ -40,7 +40,7 @@ class Session {
   [[nodiscard]] RealTime realTime() const { return thread_ ? thread_->realTime() : RealTime{}; }
 
   /// Moves on what others have finished: call it some hundred times a second. True when something has changed that
-  /// scenario() and scenes() tell.
+  /// sceneFile() and scenes() tell.
   bool poll();
 
   /// Moves on to the newest snapshot; false when there is none newer than snapshot().
@@ -89,9 +89,9 @@ class Session {
   // --- what there is
 
   /// The scene as it is wanted; the bed of it may still be on its way.
-  [[nodiscard]] const Scenario& scenario() const noexcept { return wanted_; }
+  [[nodiscard]] const SceneFile& sceneFile() const noexcept { return wanted_; }
   /// The scene that is shown.
-  [[nodiscard]] const Scenario& shown() const noexcept { return current_.scenario; }
+  [[nodiscard]] const SceneFile& shown() const noexcept { return current_.scene_file; }
   [[nodiscard]] const Scene& scene() const noexcept { return *current_.scene; }
   /// How many beds have been shown: particles of one are not those of another.
   [[nodiscard]] std::uint32_t scenes() const noexcept { return scenes_; }
@@ -135,7 +135,7 @@ class Session {
   };
   /// A bed that is, was or will be shown.
   struct Showing {
-    Scenario scenario;      ///< what has been asked for of this bed, and done
+    SceneFile scene_file;   ///< what has been asked for of this bed, and done
     BedParameters made_of;  ///< what its lists and steps are good for
     std::shared_ptr<const Fresh> fresh;
     std::unique_ptr<Scene> scene;
@@ -147,15 +147,15 @@ class Session {
   struct Making;
   struct MakingMesh;
 
-  [[nodiscard]] static Showing showNew(const Scenario& scenario, const SettleProgress& progress);
-  [[nodiscard]] static Showing showFresh(const Scenario& scenario, std::shared_ptr<const Fresh> fresh);
-  [[nodiscard]] static Showing showLying(const Scenario& scenario, const LyingSoil& lying,
+  [[nodiscard]] static Showing showNew(const SceneFile& scene_file, const SettleProgress& progress);
+  [[nodiscard]] static Showing showFresh(const SceneFile& scene_file, std::shared_ptr<const Fresh> fresh);
+  [[nodiscard]] static Showing showLying(const SceneFile& scene_file, const LyingSoil& lying,
                                          std::shared_ptr<const Fresh> fresh);
   void wantBed(std::string_view why);
   void pursue();
   void changeWhatIsThere();
   void make(std::string_view why, bool as_it_lies);
-  [[nodiscard]] std::shared_ptr<const Fresh> freshFor(const Scenario& scenario) const;
+  [[nodiscard]] std::shared_ptr<const Fresh> freshFor(const SceneFile& scene_file) const;
   void keepFresh(std::shared_ptr<const Fresh> fresh);
   bool takeMade();
   bool takeMadeMesh();
@@ -165,9 +165,9 @@ class Session {
   void openHand(std::unique_ptr<HapticDevice> device);
   void requireVirtualHand(const char* asked) const;
   void commandHand();
-  void tellMotion(Scenario& scenario) const;
+  void tellMotion(SceneFile& scene_file) const;
 
-  Scenario initial_, wanted_;
+  SceneFile initial_, wanted_;
   Showing current_;
   std::optional<Showing> previous_, coming_;
   bool coming_is_asked_for_ = false;

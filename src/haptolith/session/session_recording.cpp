@@ -20,18 +20,18 @@ namespace {
 constexpr std::uint64_t kMostTicks = 3'600'000;
 
 RecordingHeader headerOf(const Session& session, const std::string& program_version) {
-  const Scenario& scenario = session.shown();
+  const SceneFile& scene_file = session.shown();
   RecordingHeader header;
-  header.scenario = scenarioText(scenario);
-  header.title = scenario.title;
+  header.scene_file = sceneFileText(scene_file);
+  header.title = scene_file.title;
   header.program_version = program_version;
   header.instruction_set = simdTarget();
   header.device = session.deviceName();
   header.device_limits = limitsText(session.device().limits(), session.device().simulated());
-  header.seed = scenario.bed.seed;
-  header.threads = static_cast<std::uint64_t>(scenario.bed.threads);
+  header.seed = scene_file.bed.seed;
+  header.threads = static_cast<std::uint64_t>(scene_file.bed.threads);
   header.hashed_parts = session.loop().hashedParts();
-  header.tick_s = scenario.loop.tick_s;
+  header.tick_s = scene_file.loop.tick_s;
   stampNow(header);
   return header;
 }

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/strength.h"
 
 namespace haptolith {
@@ -19,20 +19,9 @@ namespace haptolith {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kMilli = 1e-3;
 
 constexpr std::string_view kFrictionAngle = "friction_angle_deg";
 constexpr std::string_view kCohesion = "cohesion_pa";
-constexpr std::string_view kContactFriction = "contact_friction";
-constexpr std::string_view kContactCohesion = "contact_cohesion_mn";
-
-/// In mN. Contacts of P3 and its like hold together with some of those; stress at equal relative size goes with R^2.
-double strongestCohesion(const SoilParameters& soil) {
-  constexpr double kOfP3_mn = 10;
-  constexpr double kRadiusOfP3_m = 7e-3;
-  const double ratio = soil.radius_m / kRadiusOfP3_m;
-  return std::max(kOfP3_mn * ratio * ratio, 2 * soil.contact_cohesion_n / kMilli);
-}
 
 /// The cohesion of (paper 18) if the law allows it, else none: it diverges for soil that cannot be compacted so far.
 double paperCohesion(const SoilParameters& soil) {
@@ -43,28 +32,48 @@ double paperCohesion(const SoilParameters& soil) {
   }
 }
 
-std::vector<SoilSlider> contactSliders(const SoilParameters& soil) {
-  const double strongest = strongestCohesion(soil);
-  return {
-      {kContactFriction, "contact friction", "", soil.contact_friction, 0, 2, 0.01},
-      {kContactCohesion, "contact cohesion", "mN", soil.contact_cohesion_n / kMilli, 0, strongest, strongest / 200}};
+/// A number that depends on the radius scales with it, and leaves room above its present value.
+double highestOf(const SoilNumber& number, const SoilParameters& soil) {
+  constexpr double kRadiusOfControls_m = 7e-3;
+  double highest = number.control.highest;
+  for (int i = 0; i < number.radius_power; ++i) {
+    highest *= soil.radius_m / kRadiusOfControls_m;
+  }
+  const bool scales = number.radius_power != 0;
+  return scales ? std::max(highest, 2 * soil.*number.member / number.control.unit_si) : highest;
+}
+
+std::vector<SoilSlider> numberSliders(const SoilParameters& soil) {
+  std::vector<SoilSlider> sliders;
+  for (const SoilNumber& number : kSoilNumbers) {
+    const SoilControl& control = number.control;
+    if (!control.key.empty() && number.isUsedBy(soil.friction)) {
+      const double highest = highestOf(number, soil);
+      sliders.push_back(
+          {control.key, control.label, control.unit, soil.*number.member / control.unit_si, 0, highest, highest / 200});
+    }
+  }
+  return sliders;
 }
 
 }  // namespace
 
 SoilParameters withContactsOf(SoilParameters soil, const SoilParameters& other) {
-  soil.contact_friction = other.contact_friction;
-  soil.contact_cohesion_n = other.contact_cohesion_n;
+  for (const SoilNumber& number : kSoilNumbers) {
+    if (!number.control.key.empty()) {
+      soil.*number.member = other.*number.member;
+    }
+  }
   return soil;
 }
 
-std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario) {
-  const SoilParameters& soil = scenario.bed.soil;
-  if (scenario.soil_name.empty() || soil.friction != FrictionModel::kContact) {
+std::optional<CalibratedStrength> calibrationOf(const SceneFile& scene_file) {
+  const SoilParameters& soil = scene_file.bed.soil;
+  if (scene_file.soil_name.empty() || soil.friction != FrictionModel::kContact) {
     return std::nullopt;
   }
   try {
-    const SoilFile file = findSoil(scenario.soil_name);
+    const SoilFile file = findSoil(scene_file.soil_name);
     const SoilParameters calibrated = rescaled(file.soil, soil.radius_m);
     return withContactsOf(calibrated, soil) == soil ? std::optional(CalibratedStrength(calibrated, file.target))
                                                     : std::nullopt;
@@ -82,7 +91,7 @@ std::vector<SoilSlider> slidersOf(const SoilParameters& soil, const std::optiona
             {kCohesion, "cohesion", "Pa", now.cohesion_pa, cohesions_pa.lowest, cohesions_pa.highest, 10}};
   }
   if (soil.friction == FrictionModel::kContact) {
-    return contactSliders(soil);
+    return numberSliders(soil);
   }
   const double angle_deg = frictionAngle(frictionCoefficient(soil.mu_hat)) / kDegree;
   std::vector<SoilSlider> sliders{{kFrictionAngle, "friction angle", "°", angle_deg, 1, 70, 0.5}};
@@ -96,7 +105,7 @@ SoilParameters withSlider(SoilParameters soil, std::string_view key, double valu
                           const std::optional<CalibratedStrength>& calibration) {
   std::vector<SoilSlider> sliders = slidersOf(soil, calibration);
   if (soil.friction == FrictionModel::kContact && calibration) {
-    std::ranges::copy(contactSliders(soil), std::back_inserter(sliders));
+    std::ranges::copy(numberSliders(soil), std::back_inserter(sliders));
   }
   const auto slider = std::ranges::find(sliders, key, &SoilSlider::key);
   if (slider == sliders.end()) {
@@ -116,12 +125,10 @@ SoilParameters withSlider(SoilParameters soil, std::string_view key, double valu
     soil.gamma_nm *= kept_pa > 0 ? kept_pa / paperCohesion(soil) : 1;
   } else if (key == kCohesion) {
     soil.gamma_nm *= value / paperCohesion(soil);
-  } else if (key == kContactFriction) {
-    soil.contact_friction = value;
-  } else if (key == kContactCohesion) {
-    soil.contact_cohesion_n = value * kMilli;
   } else {
-    throw InvalidParameter("sliders", std::string(key), "a slider that this function knows how to set");
+    const auto is_key = [&](const SoilNumber& number) { return number.control.key == key; };
+    const SoilNumber& number = *std::ranges::find_if(kSoilNumbers, is_key);
+    soil.*number.member = value * number.control.unit_si;
   }
   return soil;
 }

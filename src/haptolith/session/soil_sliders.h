@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/soil/contact_strength.h"
 #include "haptolith/soil/soil_parameters.h"
 
@@ -21,7 +21,7 @@ struct SoilSlider {
 
 /// How the strength of a scene's soil changes with its contacts; none when it has no name, was calibrated for another
 /// model of friction, or differs from the calibrated soil in more than contact friction and cohesion.
-[[nodiscard]] std::optional<CalibratedStrength> calibrationOf(const Scenario& scenario);
+[[nodiscard]] std::optional<CalibratedStrength> calibrationOf(const SceneFile& scene_file);
 
 /// What can be changed of this soil: friction angle and cohesion, with the paper's friction those that (paper 17, 18)
 /// give, with contact friction those of its calibration; without one, friction and cohesion of a contact.

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -33,23 +38,97 @@ struct SoilParameters {
   [[nodiscard]] bool operator==(const SoilParameters&) const = default;
 };
 
-/// What is valid of each number alone; read by validate(), scene files and soil files alike.
-struct SoilRanges {
-  static constexpr Range radius_m{1e-5, 1};
-  static constexpr Range gamma_nm{0, Range{}.highest, Ends::kOpen};
-  static constexpr Range rho0_kg_m3{0, 1e5, Ends::kOpenBelow};
-  static constexpr Range rho_max_kg_m3{0, 1e6, Ends::kOpenBelow};  ///< and more than rho0_kg_m3
-  static constexpr Range stiffness_n_m{0, Range{}.highest, Ends::kOpen};
-  static constexpr Range mu_hat{0, 10};
-  static constexpr Range attraction_ratio{1, 2};
-  static constexpr Range moving_friction_ratio{0, 1};
-  static constexpr Range contact_friction{0, 10};
-  static constexpr Range contact_cohesion_n{0, 1e6};
-  static constexpr Range cohesion_range_ratio{0.001, 0.5};
-  static constexpr Range tangential_ratio{0.01, 1};
-  static constexpr Range size_spread{0, 0.3};
-  static constexpr Range damping_ratio{0, 0.5};
+/// Whether scene files and soil files may leave a number out.
+enum class SoilRole {
+  kUsual,     ///< they may; it then has its usual value
+  kRequired,  ///< a soil file states it
+  kDefining,  ///< a soil file states it, and a scene file states it or names a soil, which may be a preset unless the
+              ///< number is of contacts
 };
+
+/// How a number may change in a bed as it lies.
+enum class SoilChange { kFree, kNotLarger, kNever };
+
+/// How the browser view and studies set a number while the soil lies there.
+struct SoilControl {
+  std::string_view key, label, unit, axis_label, meaning;  ///< empty: they do not
+  double unit_si = 1;
+  double highest = 0;  ///< in `unit`, with particles of 7 mm; scales as rescaled() scales the number
+};
+
+/// One number of SoilParameters and what the program does with it.
+struct SoilNumber {
+  std::string_view key;  ///< as errors, trainings, scene files and soil files name it (but radius_mm in the last two)
+  double SoilParameters::*member;
+  Range valid;
+  std::optional<FrictionModel> model;  ///< the one that uses it; none: both
+  SoilRole role;
+  SoilChange change;
+  int radius_power;          ///< rescaled() multiplies it by the ratio of radii to this power
+  int tile_place;            ///< in the key of kept tiles (bed/start/tile_cache.h); a new number takes the next place
+  int training_place;        ///< in a run of a training (identify/training); 0: not part of it
+  std::string_view meaning;  ///< one sentence for docs/scenes.md
+  SoilControl control = {};
+
+  [[nodiscard]] constexpr bool isUsedBy(FrictionModel friction) const { return !model || *model == friction; }
+  /// A preset has one, and a soil with another is none.
+  [[nodiscard]] constexpr bool makesPreset() const {
+    return role == SoilRole::kDefining && model != FrictionModel::kContact;
+  }
+};
+
+/// Every number of a soil, in the order of scene files. Columns: key, member, range, model, role, change in a bed,
+/// power of the radius, place in a tile's key and in a training; meaning; control.
+inline constexpr std::array kSoilNumbers = [] {
+  using S = SoilParameters;
+  using enum FrictionModel;
+  using enum SoilRole;
+  using enum SoilChange;
+  const auto row = [](std::string_view key, double S::*member, Range valid, std::optional<FrictionModel> model,
+                      SoilRole role, SoilChange change, int radius_power, int tile_place, int training_place,
+                      std::string_view meaning, SoilControl control = {}) {
+    return SoilNumber{key,          member,     valid,          model,   role,   change,
+                      radius_power, tile_place, training_place, meaning, control};
+  };
+  return std::array{
+      row("radius_m", &S::radius_m, {1e-5, 1}, {}, kRequired, kNever, 1, 1, 1,
+          "Radius of a macroparticle; `gamma_nm`, `stiffness_n_m` and `contact_cohesion_n` follow unless they are "
+          "given too."),
+      row("gamma_nm", &S::gamma_nm, {0, Range{}.highest, Ends::kOpen}, {}, kDefining, kFree, 3, 2, 3,
+          "Strength of the contact law (paper 7), N m."),
+      row("rho0_kg_m3", &S::rho0_kg_m3, {0, 1e5, Ends::kOpenBelow}, {}, kDefining, kNever, 0, 3, 5,
+          "Bulk density at the surface."),
+      row("rho_max_kg_m3", &S::rho_max_kg_m3, {0, 1e6, Ends::kOpenBelow}, {}, kDefining, kFree, 0, 4, 0,
+          "Bulk density that no load exceeds (paper 8); more than `rho0_kg_m3`."),
+      row("stiffness_n_m", &S::stiffness_n_m, {0, Range{}.highest, Ends::kOpen}, {}, kRequired, kFree, 1, 6, 2,
+          "Limiting stiffness k of a contact (paper 7)."),
+      row("mu_hat", &S::mu_hat, {0, 10}, kPaper, kDefining, kFree, 0, 5, 0, "Model friction (paper 14); for `paper`."),
+      row("attraction_ratio", &S::attraction_ratio, {1, 2}, kPaper, kUsual, kFree, 0, 7, 0,
+          "Reach of attraction over radius (paper 19); 1 switches attraction off; for `paper`."),
+      row("moving_friction_ratio", &S::moving_friction_ratio, {0, 1}, kPaper, kUsual, kFree, 0, 8, 0,
+          "Moving over static friction (paper 14); for `paper`."),
+      row("contact_friction", &S::contact_friction, {0, 10}, kContact, kDefining, kFree, 0, 9, 6,
+          "Coulomb friction of a contact; for `contact`.",
+          {"contact_friction", "contact friction", "", "friction of a contact",
+           "Friction of a contact; for `contact` friction.", 1, 2}),
+      row("contact_cohesion_n", &S::contact_cohesion_n, {0, 1e6}, kContact, kDefining, kFree, 2, 10, 7,
+          "Largest pull of a contact, and what it adds to the normal force; for `contact`.",
+          {"contact_cohesion_mn", "contact cohesion", "mN", "cohesion of a contact (mN)",
+           "Largest pull of a contact; for `contact` friction.", 1e-3, 10}),
+      row("cohesion_range_ratio", &S::cohesion_range_ratio, {0.001, 0.5}, kContact, kUsual, kFree, 0, 11, 10,
+          "How many radii apart two particles still cohere; for `contact`."),
+      row("tangential_ratio", &S::tangential_ratio, {0.01, 1}, kContact, kUsual, kFree, 0, 12, 9,
+          "Tangential over normal stiffness of a contact; for `contact`."),
+      row("damping_ratio", &S::damping_ratio, {0, 0.5}, kContact, kUsual, kNotLarger, 0, 14, 4,
+          "Damping of a pair that bounces, over critical damping; for `contact`."),
+      row("size_spread", &S::size_spread, {0, 0.3}, kContact, kUsual, kNever, 0, 13, 8,
+          "Radii lie evenly between (1 - spread) and (1 + spread) times the radius; for `contact`."),
+  };
+}();
+static_assert(sizeof(SoilParameters) == (kSoilNumbers.size() + 1) * sizeof(double), "a number without a row");
+
+/// The rows that have this place, in its order.
+[[nodiscard]] std::vector<SoilNumber> soilNumbersBy(int SoilNumber::*place);
 
 /// @throws InvalidParameter with the key, the value and the valid range. An infinite stiffness passes.
 void validate(const SoilParameters& soil);
@@ -71,7 +150,6 @@ struct SoilAdjustment {
 [[nodiscard]] double macroparticleMass(const SoilParameters& soil);
 
 /// The same soil made of particles of another radius: stress at equal relative overlap stays, so
-/// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2. See docs/equations.md.
+/// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2: SoilNumber::radius_power. See docs/equations.md.
 [[nodiscard]] SoilParameters rescaled(SoilParameters soil, double radius_m);
-
 }  // namespace haptolith

@@ -12,7 +12,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 
 namespace haptolith {
 

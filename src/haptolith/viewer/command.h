@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "haptolith/device/hand/hand_parameters.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/session/scene_change.h"
 #include "haptolith/tool/tool_mesh.h"
 

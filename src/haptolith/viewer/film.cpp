@@ -90,21 +90,21 @@ void show(SceneSnapshot& snapshot, const ScenePicture& picture) {
 
 void exportFilm(RecordedPictures& pictures, std::string_view version,
                 const std::function<void(std::string_view)>& write) {
-  if (!pictures.scenario()) {
+  if (!pictures.sceneFile()) {
     throw Failure("this program cannot read the recorded scene, so there is nothing to show");
   }
-  const Scenario& scenario = *pictures.scenario();
+  const SceneFile& scene_file = *pictures.sceneFile();
   std::optional<FrameEncoder> encoder;
   SceneSnapshot snapshot;
   pictures.forEach([&](const ScenePicture& picture) {
     if (!encoder) {
-      const double surface_m = surfaceOf(picture, scenario.bed);
-      const FrameSpace space = shownSpace(scenario.bed, surface_m);
-      SceneLookedAt shown{.scenario = scenario,
-                          .soil = scenario.bed.soil,
-                          .grains = runsOf(picture, scenario.bed.soil.radius_m),
+      const double surface_m = surfaceOf(picture, scene_file.bed);
+      const FrameSpace space = shownSpace(scene_file.bed, surface_m);
+      SceneLookedAt shown{.scene_file = scene_file,
+                          .soil = scene_file.bed.soil,
+                          .grains = runsOf(picture, scene_file.bed.soil.radius_m),
                           .surface_m = surface_m,
-                          .manoeuvre = scenario.hand.manoeuvre,
+                          .manoeuvre = scene_file.hand.manoeuvre,
                           .low_m = space.low_m,
                           .high_m = space.high_m};
       for (const PicturedStone& stone : picture.stones) {

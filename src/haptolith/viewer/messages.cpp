@@ -13,8 +13,8 @@
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/soil_file.h"
 #include "haptolith/session/soil_sliders.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/layers.h"
@@ -57,12 +57,12 @@ OrderedJson analysedDensity(const SoilParameters& soil, double gravity_m_s2) {
 /// Friction angle, cohesion and density that the soil shows: a named soil's as they were measured, a preset's as
 /// (paper 17, 18) and the analysis of its layers have them. rho0 is neither's: it is that of the surface alone. Nothing
 /// is known of a named soil whose numbers have been changed, but for the density where only its contacts are others.
-OrderedJson measuresOf(const Scenario& scenario) {
-  const SoilParameters& soil = scenario.bed.soil;
+OrderedJson measuresOf(const SceneFile& scene_file) {
+  const SoilParameters& soil = scene_file.bed.soil;
   OrderedJson measures{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}, {"bulk_density_kg_m3", nullptr}};
-  if (!scenario.soil_name.empty()) {
+  if (!scene_file.soil_name.empty()) {
     try {
-      const SoilFile file = findSoil(scenario.soil_name);
+      const SoilFile file = findSoil(scene_file.soil_name);
       if (rescaled(file.soil, soil.radius_m) == soil) {
         measures["friction_angle_deg"] = file.target.friction_angle_deg;
         measures["cohesion_pa"] = file.target.cohesion_pa;
@@ -75,7 +75,7 @@ OrderedJson measuresOf(const Scenario& scenario) {
     return measures;
   }
   if (soil.friction == FrictionModel::kPaper) {
-    measures["bulk_density_kg_m3"] = analysedDensity(soil, scenario.bed.gravity_m_s2.norm());
+    measures["bulk_density_kg_m3"] = analysedDensity(soil, scene_file.bed.gravity_m_s2.norm());
     for (const SoilSlider& slider : slidersOf(soil)) {
       measures[std::string(slider.key)] = slider.value;
     }
@@ -107,20 +107,20 @@ OrderedJson meshJson(const TriangleMesh& mesh) {
 }
 
 /// The tool's mesh, if the scene has one, whatever the tool's shape is now.
-OrderedJson toolMeshJson(const Scenario& scenario) {
-  if (scenario.tool.mesh == nullptr) {
+OrderedJson toolMeshJson(const SceneFile& scene_file) {
+  if (scene_file.tool.mesh == nullptr) {
     return nullptr;
   }
-  OrderedJson mesh{{"name", scenario.mesh.name}, {"report", scenario.tool.mesh->report}};
-  mesh.update(meshJson(scenario.tool.mesh->surface));
+  OrderedJson mesh{{"name", scene_file.mesh.name}, {"report", scene_file.tool.mesh->report}};
+  mesh.update(meshJson(scene_file.tool.mesh->surface));
   return mesh;
 }
 
-OrderedJson soilJson(const Scenario& scenario) {
-  OrderedJson soil{{"preset", orNull(scenario.preset)},
-                   {"name", orNull(scenario.soil_name)},
-                   {"friction", wordFor(kFrictionWords, scenario.bed.soil.friction)}};
-  soil.update(measuresOf(scenario));
+OrderedJson soilJson(const SceneFile& scene_file) {
+  OrderedJson soil{{"preset", orNull(scene_file.preset)},
+                   {"name", orNull(scene_file.soil_name)},
+                   {"friction", wordFor(kFrictionWords, scene_file.bed.soil.friction)}};
+  soil.update(measuresOf(scene_file));
   return soil;
 }
 
@@ -242,7 +242,7 @@ OrderedJson stoneJson(const StoneShape& stone) {
 
 Board::Texts sceneMessages(const Session& session, const FrameSpace& space) {
   const Bed& bed = session.scene().bed();
-  SceneLookedAt shown{.scenario = session.scenario(),
+  SceneLookedAt shown{.scene_file = session.sceneFile(),
                       .soil = session.shown().bed.soil,
                       .scene = session.scenes(),
                       .grains = bed.grainRuns(),
@@ -265,10 +265,10 @@ FrameSpace shownSpace(const BedParameters& bed, double surface_m) {
 }
 
 Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) {
-  const Scenario& scenario = shown.scenario;
-  const BedParameters& bed = scenario.bed;
+  const SceneFile& scene_file = shown.scene_file;
+  const BedParameters& bed = scene_file.bed;
   OrderedJson sliders = OrderedJson::array();
-  for (const SoilSlider& slider : slidersOf(bed.soil, calibrationOf(scenario))) {
+  for (const SoilSlider& slider : slidersOf(bed.soil, calibrationOf(scene_file))) {
     sliders.push_back({{"key", slider.key},
                        {"label", slider.label},
                        {"unit", slider.unit},
@@ -279,10 +279,10 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) 
   }
   OrderedJson message({{"type", "scene"},
                        {"scene", shown.scene},
-                       {"title", scenario.title},
+                       {"title", scene_file.title},
                        {"particles", countOf(shown.grains)},
                        {"radius_m", bed.soil.radius_m},
-                       {"can_coarsen", canBeCoarser(scenario)},
+                       {"can_coarsen", canBeCoarser(scene_file)},
                        {"grains", grainsJson(shown.grains, shown.soil.radius_m)},
                        {"size_spread", shown.soil.friction == FrictionModel::kContact ? shown.soil.size_spread : 0.0},
                        {"box",
@@ -292,23 +292,23 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) 
                          {"periodic_x", bed.periodic_x},
                          {"periodic_y", bed.periodic_y}}},
                        {"quantised", {{"low_m", array(space.low_m)}, {"high_m", array(space.high_m)}}},
-                       {"soil", soilJson(scenario)},
+                       {"soil", soilJson(scene_file)},
                        {"sliders", sliders},
-                       {"body", orNull(scenario.body)},
+                       {"body", orNull(scene_file.body)},
                        {"gravity_m_s2", array(bed.gravity_m_s2)},
                        {"tool",
-                        {{"shape", wordFor(kToolShapeWords, scenario.tool.shape)},
-                         {"size_mm", array(kPerMetre_mm * scenario.tool.size_m)},
-                         {"diameter_mm", kPerMetre_mm * scenario.tool.diameter_m},
-                         {"thickness_mm", kPerMetre_mm * scenario.tool.thickness_m},
-                         {"opening_mm", kPerMetre_mm * scenario.tool.opening_m},
-                         {"jaw_bend_deg", scenario.tool.jaw_bend_rad * 180 / std::numbers::pi},
-                         {"length_mm", kPerMetre_mm * scenario.tool.length_m},
-                         {"mesh", toolMeshJson(scenario)}}},
+                        {{"shape", wordFor(kToolShapeWords, scene_file.tool.shape)},
+                         {"size_mm", array(kPerMetre_mm * scene_file.tool.size_m)},
+                         {"diameter_mm", kPerMetre_mm * scene_file.tool.diameter_m},
+                         {"thickness_mm", kPerMetre_mm * scene_file.tool.thickness_m},
+                         {"opening_mm", kPerMetre_mm * scene_file.tool.opening_m},
+                         {"jaw_bend_deg", scene_file.tool.jaw_bend_rad * 180 / std::numbers::pi},
+                         {"length_mm", kPerMetre_mm * scene_file.tool.length_m},
+                         {"mesh", toolMeshJson(scene_file)}}},
                        {"hand",
                         {{"manoeuvre", wordFor(kManoeuvreWords, shown.manoeuvre)},
-                         {"max_force_n", scenario.hand.max_force_n},
-                         {"max_torque_nm", scenario.hand.max_torque_nm}}},
+                         {"max_force_n", scene_file.hand.max_force_n},
+                         {"max_torque_nm", scene_file.hand.max_torque_nm}}},
                        {"workspace", {{"low_m", array(shown.low_m)}, {"high_m", array(shown.high_m)}}}});
   if (!shown.stones.empty()) {
     message["stones"] = stonesJson(shown.stones);
@@ -349,7 +349,7 @@ Board::Texts statusMessages(const Session& session, const StatusBeside& beside) 
                        {"let_go", orNull(now.trip == SafetyTrip::kNone ? "" : text(now.trip))},
                        {"real_time", {{"scheduler", real_time.scheduler}, {"memory_locked", real_time.memory_locked}}},
                        {"simd", simdTarget()},
-                       {"threads", session.scenario().bed.threads},
+                       {"threads", session.sceneFile().bed.threads},
                        {"busy", orNull(session.busy())},
                        {"problem", orNull(session.problem())},
                        {"can_undo", !session.undoable().empty()},

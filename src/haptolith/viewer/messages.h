@@ -28,9 +28,9 @@ namespace haptolith {
 
 /// A scene that somebody looks at.
 struct SceneLookedAt {
-  const Scenario& scenario;    ///< as it is wanted
-  const SoilParameters& soil;  ///< as it is shown
-  std::uint32_t scene = 1;     ///< see FrameEncoder
+  const SceneFile& scene_file;  ///< as it is wanted
+  const SoilParameters& soil;   ///< as it is shown
+  std::uint32_t scene = 1;      ///< see FrameEncoder
   std::vector<Bed::GrainRun> grains;
   double surface_m = 0;
   Manoeuvre manoeuvre = Manoeuvre::kStill;

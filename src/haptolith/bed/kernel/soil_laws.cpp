@@ -1,5 +1,7 @@
 #include "haptolith/bed/kernel/soil_laws.h"
 
+#include <algorithm>
+
 #include "haptolith/bed/critical_step.h"
 
 namespace haptolith {
@@ -15,9 +17,13 @@ SoilLaws::SoilLaws(const SoilParameters& made_of, int grain_classes)
 bool isCompatible(const BedParameters& made, const SoilParameters& soil, double tool_stiffness_n_m) {
   BedParameters next = made;
   next.soil = soil;
-  return soil.radius_m == made.soil.radius_m && soil.rho0_kg_m3 == made.soil.rho0_kg_m3 &&
-         soil.friction == made.soil.friction && soil.size_spread == made.soil.size_spread &&
-         soil.damping_ratio <= made.soil.damping_ratio &&
+  const auto may_change = [&](const SoilNumber& number) {
+    const double now = made.soil.*number.member;
+    const double wanted = soil.*number.member;
+    return number.change == SoilChange::kFree || wanted == now ||
+           (number.change == SoilChange::kNotLarger && wanted < now);
+  };
+  return soil.friction == made.soil.friction && std::ranges::all_of(kSoilNumbers, may_change) &&
          makeContactLaw(soil).cutoff_m <= makeContactLaw(made.soil).cutoff_m &&
          stepsPerSecond(next, tool_stiffness_n_m) <= stepsPerSecond(made, tool_stiffness_n_m);
 }

@@ -21,7 +21,7 @@ inline constexpr std::array kGrainRadii_m{7e-3,   6.4e-3, 5.8e-3,  5.3e-3, 4.8e-
 /// None where no tile ships for this soil, radius, depth, gravity and seed. Not for the tick.
 [[nodiscard]] std::optional<BedTile> readyTile(const BedParameters& bed);
 
-/// Name of the file in scenarios/tiles that holds the tile of `bed`, whether it is there or not: "4.4mm-1a2b3c4d.tile".
+/// Name of the file in scenes/tiles that holds the tile of `bed`, whether it is there or not: "4.4mm-1a2b3c4d.tile".
 [[nodiscard]] std::string readyTileName(const BedParameters& bed);
 
 /// Content of that file: positions as they are, and what contacts remember in 16 bits, once for both particles.

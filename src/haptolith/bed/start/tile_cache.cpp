@@ -30,7 +30,8 @@ namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "tiles are little-endian");
 
-/// One more whenever a bed settles to other bits than before: with the golden hashes (tests/scenario/golden_test.cpp).
+/// One more whenever a bed settles to other bits than before: with the golden hashes
+/// (tests/scene_file/golden_test.cpp).
 constexpr int kLaw = 2;
 /// The same of beds of several sizes alone.
 constexpr int kGradedLaw = 2;
@@ -245,27 +246,11 @@ std::string fileName(const std::string& key) {
 
 /// The numbers that a bed of one size of grain depends on while it settles.
 std::vector<double> numbersOf(const BedParameters& bed) {
-  const SoilParameters& s = bed.soil;
-  static_assert(sizeof(SoilParameters) == 15 * sizeof(double), "a new number of the soil belongs in the key");
-  return {bed.width_m,
-          bed.length_m,
-          bed.depth_m,
-          bed.gravity_m_s2.z(),
-          bed.tick_s,
-          s.radius_m,
-          s.gamma_nm,
-          s.rho0_kg_m3,
-          s.rho_max_kg_m3,
-          s.mu_hat,
-          s.stiffness_n_m,
-          s.attraction_ratio,
-          s.moving_friction_ratio,
-          s.contact_friction,
-          s.contact_cohesion_n,
-          s.cohesion_range_ratio,
-          s.tangential_ratio,
-          s.size_spread,
-          s.damping_ratio};
+  std::vector<double> numbers{bed.width_m, bed.length_m, bed.depth_m, bed.gravity_m_s2.z(), bed.tick_s};
+  for (const SoilNumber& number : soilNumbersBy(&SoilNumber::tile_place)) {
+    numbers.push_back(bed.soil.*number.member);
+  }
+  return numbers;
 }
 
 /// What a bed of one size of grain depends on while it settles.

@@ -38,7 +38,7 @@ LoopHeader headerOf(const hapto_loop* loop) {
   const auto json = nlohmann::json::parse(text);
   LoopHeader made;
   RecordingHeader& header = made.header;
-  json.at("scenario").get_to(header.scenario);
+  json.at("scenario").get_to(header.scene_file);
   json.at("title").get_to(header.title);
   json.at("instruction_set").get_to(header.instruction_set);
   json.at("device").get_to(header.device);

@@ -59,7 +59,7 @@ class Recording {
 
   [[nodiscard]] std::string header() const {
     const RecordingHeader& header = reader_.header();
-    return dumped({{"scenario", header.scenario},
+    return dumped({{"scenario", header.scene_file},
                    {"title", header.title},
                    {"program_version", header.program_version},
                    {"instruction_set", header.instruction_set},

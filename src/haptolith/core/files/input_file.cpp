@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/moved_file.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/core/process/stop_asked.h"
 
@@ -57,23 +58,24 @@ Inputs& inputs() {
 }  // namespace
 
 std::ifstream openInput(const fs::path& path, std::uintmax_t most_bytes) {
+  const fs::path current = currentPath(path);
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
+  const fs::file_status status = fs::status(current, error);
   if (status.type() == fs::file_type::none) {
     throw Failure(fmt::format("cannot read {}: {}", path.string(), error.message()));
   }
   if (!fs::is_regular_file(status)) {
     throw InvalidParameter("file", fmt::format("'{}'", path.string()), fmt::format("a file; {}", kindOf(status)));
   }
-  const std::uintmax_t size = fs::file_size(path, error);
+  const std::uintmax_t size = fs::file_size(current, error);
   if (!error && size > most_bytes) {
     throw InvalidParameter(path.string(), fmt::format("{} bytes", size), "at most " + sizeText(most_bytes));
   }
-  std::ifstream file(path, std::ios::binary);
+  std::ifstream file(current, std::ios::binary);
   if (!file) {
     throw Failure(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
   }
-  rememberInput(path);
+  rememberInput(current);
   return file;
 }
 

@@ -28,33 +28,30 @@ constexpr std::size_t kMostRuns = 10000, kMostWindows = 10000;
 
 /// One number of a soil sample, as the file calls it.
 struct SampleKey {
-  const char* name;
-  double& (*of)(SoilSample&);
+  std::string name;
   Range valid;
+  double SoilParameters::*of_soil;
+  double SoilSample::*of_sample = nullptr;  ///< unless it is the soil's
+
+  [[nodiscard]] double& in(SoilSample& sample) const {
+    return of_sample == nullptr ? sample.soil.*of_soil : sample.*of_sample;
+  }
 };
 
-constexpr std::array kSampleKeys{
-    SampleKey{"radius_m", [](SoilSample& s) -> double& { return s.soil.radius_m; }, SoilRanges::radius_m},
-    SampleKey{"stiffness_n_m", [](SoilSample& s) -> double& { return s.soil.stiffness_n_m; },
-              SoilRanges::stiffness_n_m},
-    SampleKey{"gamma_nm", [](SoilSample& s) -> double& { return s.soil.gamma_nm; }, SoilRanges::gamma_nm},
-    SampleKey{"damping_ratio", [](SoilSample& s) -> double& { return s.soil.damping_ratio; },
-              SoilRanges::damping_ratio},
-    SampleKey{"rho0_kg_m3", [](SoilSample& s) -> double& { return s.soil.rho0_kg_m3; }, SoilRanges::rho0_kg_m3},
-    SampleKey{"contact_friction", [](SoilSample& s) -> double& { return s.soil.contact_friction; },
-              SoilRanges::contact_friction},
-    SampleKey{"contact_cohesion_n", [](SoilSample& s) -> double& { return s.soil.contact_cohesion_n; },
-              SoilRanges::contact_cohesion_n},
-    SampleKey{"size_spread", [](SoilSample& s) -> double& { return s.soil.size_spread; }, SoilRanges::size_spread},
-    SampleKey{"tangential_ratio", [](SoilSample& s) -> double& { return s.soil.tangential_ratio; },
-              SoilRanges::tangential_ratio},
-    SampleKey{"cohesion_range_ratio", [](SoilSample& s) -> double& { return s.soil.cohesion_range_ratio; },
-              SoilRanges::cohesion_range_ratio},
-    SampleKey{"tool_friction", [](SoilSample& s) -> double& { return s.tool_friction; }, ToolRanges::friction},
-    SampleKey{"tool_adhesion_n", [](SoilSample& s) -> double& { return s.tool_adhesion_n; }, ToolRanges::adhesion_n},
-    SampleKey{"surface_error_m", [](SoilSample& s) -> double& { return s.surface_error_m; }, {-1, 1}},
-    SampleKey{"stone_size_m", [](SoilSample& s) -> double& { return s.stone_size_m; }, {0, 1}},
-};
+const std::vector<SampleKey>& sampleKeys() {
+  static const std::vector<SampleKey> kKeys = [] {
+    std::vector<SampleKey> keys;
+    for (const SoilNumber& number : soilNumbersBy(&SoilNumber::training_place)) {
+      keys.push_back({std::string(number.key), number.valid, number.member});
+    }
+    keys.push_back({"tool_friction", ToolRanges::friction, nullptr, &SoilSample::tool_friction});
+    keys.push_back({"tool_adhesion_n", ToolRanges::adhesion_n, nullptr, &SoilSample::tool_adhesion_n});
+    keys.push_back({"surface_error_m", {-1, 1}, nullptr, &SoilSample::surface_error_m});
+    keys.push_back({"stone_size_m", {0, 1}, nullptr, &SoilSample::stone_size_m});
+    return keys;
+  }();
+  return kKeys;
+}
 
 /// What a number is worth in a file that others read: six digits.
 double rounded(double value) {
@@ -128,8 +125,8 @@ TrainingRun runFrom(const Node& node, std::size_t windows) {
   TrainingRun run;
   run.number = static_cast<std::uint64_t>(node.at("number").number(BedRanges::seed));
   run.sample.soil = lunarContacts();
-  for (const SampleKey& key : kSampleKeys) {
-    key.of(run.sample) = node.at(key.name).number(key.valid);
+  for (const SampleKey& key : sampleKeys()) {
+    key.in(run.sample) = node.at(key.name.c_str()).number(key.valid);
   }
   run.sample.soil.rho_max_kg_m3 *= run.sample.soil.rho0_kg_m3 / lunarContacts().rho0_kg_m3;
   if (node.has("residual")) {
@@ -176,8 +173,8 @@ std::string trainingText(const Training& training) {
   for (const TrainingRun& run : training.runs) {
     Json row{{"number", run.number}};
     SoilSample sample = run.sample;
-    for (const SampleKey& key : kSampleKeys) {
-      row[key.name] = rounded(key.of(sample));
+    for (const SampleKey& key : sampleKeys()) {
+      row[key.name] = rounded(key.in(sample));
     }
     if (run.strength) {
       const auto& [residual, peak] = *run.strength;

@@ -17,7 +17,7 @@
 #include "haptolith/device/hand/manoeuvre.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/study/results/felt_summary.h"
 #include "haptolith/tool/tool_shape.h"
 
@@ -197,16 +197,16 @@ Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& af
   return seen;
 }
 
-LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress) {
-  const Scene scene(scenario.bed, scenario.tool, progress);
+LevelBed levelBed(const SceneFile& scene_file, const SettleProgress& progress) {
+  const Scene scene(scene_file.bed, scene_file.tool, progress);
   return {.lying = scene.bed().lying(), .surface_m = scene.bed().surfaceHeight()};
 }
 
-ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options) {
+ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOptions& options) {
   validate(options);
   std::mt19937_64 random(options.seed);
   const auto about = [&](double share) { return 1 + options.variation * share * uniformSigned(random); };
-  ExploringHand exploring{.hand = scenario.hand};
+  ExploringHand exploring{.hand = scene_file.hand};
   HandParameters& hand = exploring.hand;
   hand.manoeuvre = options.manoeuvre;
   hand.home_m.x() += options.variation * kPlace_m * uniformSigned(random);
@@ -218,18 +218,18 @@ ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& 
   hand.damping_n_s_m *= arm;
   hand.stiffness_n_m *= arm;
   if (options.variation > 0) {
-    const bool square = scenario.bed.width_m == scenario.bed.length_m;
+    const bool square = scene_file.bed.width_m == scene_file.bed.length_m;
     exploring.quarter_turns = square ? static_cast<int>(random() % 4) : 2 * static_cast<int>(random() % 2);
-    exploring.mirrored = random() % 2 == 1 && !scenario.bed.stones.any();
+    exploring.mirrored = random() % 2 == 1 && !scene_file.bed.stones.any();
   }
   return exploring;
 }
 
-void requireReach(const Scenario& scenario, Manoeuvre manoeuvre) {
-  HandParameters hand = scenario.hand;
+void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre) {
+  HandParameters hand = scene_file.hand;
   hand.manoeuvre = manoeuvre;
   hand.surface_m = 0;
-  const ToolCorners corners = cornersOf(scenario.tool);
+  const ToolCorners corners = cornersOf(scene_file.tool);
   constexpr int kPlaces = 200;  // of a manoeuvre
   double lowest_m = std::numeric_limits<double>::infinity();
   for (int place = 0; place < kPlaces; ++place) {
@@ -241,7 +241,7 @@ void requireReach(const Scenario& scenario, Manoeuvre manoeuvre) {
       lowest_m = std::min(lowest_m, scene_T_tool.fromBody(Vec3(along(0), along(1), along(2))).z());
     }
   }
-  const double radius_m = scenario.bed.soil.radius_m;
+  const double radius_m = scene_file.bed.soil.radius_m;
   if (-lowest_m < radius_m) {
     throw InvalidParameter("hand",
                            fmt::format("{}, by which the tool comes {:.1f} mm below the surface",
@@ -250,16 +250,16 @@ void requireReach(const Scenario& scenario, Manoeuvre manoeuvre) {
   }
 }
 
-Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options) {
-  return explore(scenario, bed, exploringHand(scenario, options), options.rounds);
+Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExplorationOptions& options) {
+  return explore(scene_file, bed, exploringHand(scene_file, options), options.rounds);
 }
 
-Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& exploring, int rounds) {
-  Scenario unpaced = scenario;
+Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExploringHand& exploring, int rounds) {
+  SceneFile unpaced = scene_file;
   unpaced.device.kind = DeviceKind::kVirtualHand;
   unpaced.loop.paced = false;
   unpaced.hand = exploring.hand;
-  unpaced.hand.surface_m = scenario.hand.surface_m.value_or(bed.surface_m);
+  unpaced.hand.surface_m = scene_file.hand.surface_m.value_or(bed.surface_m);
   const LyingSoil before = turned(bed.lying, exploring);
   Scene scene(unpaced.bed, unpaced.tool, before);
   VirtualHand hand(unpaced.hand, unpaced.bed.tick_s);
@@ -301,8 +301,8 @@ Exploration explore(const Scenario& scenario, const LevelBed& bed, const Explori
   return done;
 }
 
-Exploration explore(const Scenario& scenario, const ExplorationOptions& options) {
-  return explore(scenario, levelBed(scenario), options);
+Exploration explore(const SceneFile& scene_file, const ExplorationOptions& options) {
+  return explore(scene_file, levelBed(scene_file), options);
 }
 
 }  // namespace haptolith

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "haptolith/bed/bed.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/store/store.h"
 
 namespace haptolith {
@@ -18,7 +18,7 @@ struct LevelBed {
 
 /// The soil of a scene before anybody touches it.
 /// @throws InvalidParameter, Failure: as Scene.
-[[nodiscard]] LevelBed levelBed(const Scenario& scenario, const SettleProgress& progress = {});
+[[nodiscard]] LevelBed levelBed(const SceneFile& scene_file, const SettleProgress& progress = {});
 
 /// How a virtual hand explores soil.
 struct ExplorationOptions {
@@ -40,11 +40,11 @@ struct ExploringHand {
 /// in x and y, tempo and depth up to 10 %, the arm's mass, damping and stiffness together up to 20 % more or less; the
 /// bed from any side, and mirrored or not.
 /// @throws InvalidParameter for options out of range.
-[[nodiscard]] ExploringHand exploringHand(const Scenario& scenario, const ExplorationOptions& options);
+[[nodiscard]] ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOptions& options);
 
 /// That a hand of the scene's comes into soil by this manoeuvre: a particle's radius below the surface, or more.
 /// @throws InvalidParameter with how deep the tool comes.
-void requireReach(const Scenario& scenario, Manoeuvre manoeuvre);
+void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre);
 
 /// What somebody sees who only looks on while a hand explores: numbers of the soil's visible surface, in m.
 struct Picture {
@@ -83,13 +83,13 @@ struct Exploration {
 /// @param bed  levelBed() of the same scene.
 /// @throws InvalidParameter for options out of range and as HapticLoop; Failure when the exploration cannot go on, or
 /// when stopAsked().
-[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExplorationOptions& options);
+[[nodiscard]] Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExplorationOptions& options);
 
 /// The same for a hand that has been chosen already.
-[[nodiscard]] Exploration explore(const Scenario& scenario, const LevelBed& bed, const ExploringHand& exploring,
+[[nodiscard]] Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExploringHand& exploring,
                                   int rounds);
 
 /// The same on a bed that is settled for it.
-[[nodiscard]] Exploration explore(const Scenario& scenario, const ExplorationOptions& options);
+[[nodiscard]] Exploration explore(const SceneFile& scene_file, const ExplorationOptions& options);
 
 }  // namespace haptolith

@@ -9,7 +9,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/in_parallel.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/contact_strength.h"
 #include "haptolith/soil/presets.h"
@@ -39,8 +39,8 @@ SoilParameters contactFrictionTwin(std::string_view preset, double contact_cohes
   return soil;
 }
 
-Scenario sceneFor(std::string_view preset, std::string_view body, FrictionModel friction, double contact_cohesion_n) {
-  Scenario scene;
+SceneFile sceneFor(std::string_view preset, std::string_view body, FrictionModel friction, double contact_cohesion_n) {
+  SceneFile scene;
   changePreset(scene, preset);
   changeBody(scene, body);
   if (friction == FrictionModel::kContact) {
@@ -172,7 +172,7 @@ std::vector<PerceptionBlock> explorePaperStimuli(const PerceptionOptions& option
   Progress done(progress, sites.size() * (1 + hands * repeats));
 
   inParallel(sites.size(), options.threads, [&](std::size_t i) {
-    Scenario scene = sites[i].stimulus->scene;
+    SceneFile scene = sites[i].stimulus->scene;
     const int beds = scene.bed.start == BedStart::kRain ? std::min(kBedsOfRain, options.repeats) : 1;
     for (int bed = 0; bed < beds; ++bed) {
       done.requireWanted();
@@ -186,7 +186,7 @@ std::vector<PerceptionBlock> explorePaperStimuli(const PerceptionOptions& option
     const Site& site = sites[i / (hands * repeats)];
     const std::size_t hand = i / repeats % hands;
     const std::size_t repeat = i % repeats;
-    Scenario scene = site.stimulus->scene;
+    SceneFile scene = site.stimulus->scene;
     const std::size_t bed = repeat % site.beds.size();
     scene.bed.seed = options.seed + bed;
     scene.hand = handFor(options.hands[hand], scene.hand);

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/perception/exploration.h"
 #include "haptolith/study/perception/ideal_observer.h"
 
@@ -17,7 +17,7 @@ namespace haptolith {
 struct PerceptionStimulus {
   std::string name;  ///< "P3", "Moon"
   double x = 0;      ///< friction coefficient, or gravity in m/s^2
-  Scenario scene;
+  SceneFile scene;
 };
 
 /// One of the paper's two experiments with one model of friction, explored.

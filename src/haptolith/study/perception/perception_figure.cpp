@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "haptolith/figure/figure.h"
-#include "haptolith/scenario/scene_words.h"
+#include "haptolith/scene_file/scene_words.h"
 
 namespace haptolith {
 

@@ -82,7 +82,7 @@ Detectability detectability(const Explorations& reference, const Explorations& t
 }
 
 /// Explorations of every scene: [scene][repeat].
-std::vector<Explorations> exploreAll(const std::vector<Scenario>& scenes, const TaskOptions& options,
+std::vector<Explorations> exploreAll(const std::vector<SceneFile>& scenes, const TaskOptions& options,
                                      const PerceptionProgress& progress) {
   const auto repeats = static_cast<std::size_t>(options.repeats);
   const std::size_t beds = static_cast<std::size_t>(std::min(options.beds, options.repeats));
@@ -90,7 +90,7 @@ std::vector<Explorations> exploreAll(const std::vector<Scenario>& scenes, const 
   std::mutex mutex;
   std::size_t done = 0;
   inParallel(scenes.size() * beds, options.threads, [&](std::size_t i) {
-    Scenario scene = scenes[i / beds];
+    SceneFile scene = scenes[i / beds];
     const std::size_t number = i % beds;
     scene.bed.seed = options.seed + number;
     const LevelBed bed = levelBed(scene);
@@ -114,7 +114,7 @@ TaskPerception perceiveTask(const StudyProtocol& protocol, const StudyBlock& blo
   requireInRange("repeats", options.repeats, {4, 100'000});
   requireInRange("beds", options.beds, {1, 1000});
   requireInRange("sense_scale", options.perceive.sense_scale, {0.1, 10});
-  std::vector<Scenario> scenes{sceneOf(protocol, block, block.reference)};
+  std::vector<SceneFile> scenes{sceneOf(protocol, block, block.reference)};
   for (const Stimulus& level : block.levels) {
     scenes.push_back(sceneOf(protocol, block, level));
   }

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 
 namespace haptolith {
 

@@ -6,21 +6,17 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <iterator>
-#include <numbers>
-#include <optional>
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/toml/toml_reader.h"
-#include "haptolith/soil/bodies.h"
-#include "haptolith/soil/presets.h"
-#include "haptolith/soil/strength.h"
+#include "haptolith/scene_file/toml/toml_reader.h"
 #include "haptolith/study/protocol/built_in_protocols.h"
 #include "haptolith/study/protocol/form.h"
 #include "haptolith/study/protocol/protocol_groups.h"
+#include "haptolith/study/protocol/protocol_items.h"
 #include "haptolith/study/protocol/protocol_keys.h"
+#include "haptolith/study/protocol/protocol_levels.h"
 
 namespace haptolith {
 
@@ -30,172 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr FileKind kProtocol{
     .name = "protocol", .example_key = "title", .document = "docs/studies.md", .left_out = "left out"};
-
-// --- levels
-// -----------------------------------------------------------------------------------------------------------
-
-/// What a block may vary: how messages and axes call it, and the stimulus that a word or number of the file stands for.
-struct Variation {
-  std::string_view levels_are, axis_label;
-  Stimulus (*stimulus)(std::string_view varies, const TextOrNumber& level);
-};
-
-Stimulus presetStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
-  const Preset& preset = findPreset(level.text);
-  return {.name = std::string(preset.name),
-          .value = preset.friction_coefficient,
-          .change = {.preset = std::string(preset.name)}};
-}
-
-Stimulus bodyStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
-  const Body& body = findBody(level.text);
-  return {.name = std::string(body.name), .value = body.gravity_m_s2, .change = {.body = std::string(body.name)}};
-}
-
-Stimulus soilStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
-  const std::vector<std::string> names = soilNames();  // a file beside the protocol would not travel with the study
-  if (std::ranges::find(names, level.text) == names.end()) {
-    throw InvalidParameter("soil", fmt::format("'{}'", level.text), fmt::format("one of {}", fmt::join(names, ", ")));
-  }
-  return {.name = level.text, .value = 0, .change = {.soil = level.text}};
-}
-
-Stimulus sliderStimulus(std::string_view varies, const TextOrNumber& level) {
-  if (!level.number) {
-    throw InvalidParameter(std::string(varies), fmt::format("'{}'", level.text), "a number");
-  }
-  return {.name = level.text, .value = *level.number, .change = {.sliders = {{std::string(varies), *level.number}}}};
-}
-
-Stimulus frictionStimulus(std::string_view varies, const TextOrNumber& level) {
-  Stimulus stimulus = sliderStimulus(varies, level);
-  constexpr double kPerDegree = std::numbers::pi / 180;
-  stimulus.change.sliders = {{"friction_angle_deg", frictionAngle(stimulus.value) / kPerDegree}};
-  return stimulus;
-}
-
-const SceneNumber* sceneNumberNamed(std::string_view key) {
-  const std::span<const SceneNumber> numbers = sceneNumbers();
-  const auto found = std::ranges::find(numbers, key, &SceneNumber::key);
-  return found == numbers.end() ? nullptr : &*found;
-}
-
-Stimulus sceneStimulus(std::string_view varies, const TextOrNumber& level) {
-  Stimulus stimulus = sliderStimulus(varies, level);
-  const SceneNumber& number = *sceneNumberNamed(varies);
-  stimulus.change = {};
-  stimulus.change.*number.member = stimulus.value * number.unit;
-  return stimulus;
-}
-
-Variation variationOf(std::string_view varies) {
-  if (const SceneNumber* number = sceneNumberNamed(varies)) {
-    return {"numbers", number->axis_label, sceneStimulus};
-  }
-  if (varies == "preset") {
-    return {"presets", "friction coefficient", presetStimulus};
-  }
-  if (varies == "body") {
-    return {"bodies", "gravity (m/s²)", bodyStimulus};
-  }
-  if (varies == "soil") {
-    return {"soils by name", "", soilStimulus};
-  }
-  if (varies == "friction_coefficient") {
-    return {"numbers", "friction coefficient, tan φ", frictionStimulus};
-  }
-  if (varies == "friction_angle_deg") {
-    return {"numbers", "friction angle (°)", sliderStimulus};
-  }
-  if (varies == "cohesion_pa") {
-    return {"numbers", "cohesion (Pa)", sliderStimulus};
-  }
-  if (varies == "contact_friction") {
-    return {"numbers", "friction of a contact", sliderStimulus};
-  }
-  return {"numbers", "cohesion of a contact (mN)", sliderStimulus};
-}
-
-/// The stimulus a level stands for. @throws InvalidParameter for the key of the block in which it stands.
-Stimulus stimulusOf(const BlockDraft& draft, std::string_view key, const TextOrNumber& level) {
-  const Variation variation = variationOf(draft.varies);
-  try {
-    return variation.stimulus(draft.varies, level);
-  } catch (const InvalidParameter& error) {
-    throw InvalidParameter(std::string(key), error.value(),
-                           fmt::format("{}; {} is not: {}", variation.levels_are, error.value(), error.valid()));
-  }
-}
-
-void readReference(BlockDraft& draft) {
-  if (draft.reference.size() != 1) {
-    throw InvalidParameter("reference", "", "one name or number");
-  }
-  draft.block.reference = stimulusOf(draft, "reference", draft.reference.front());
-  if (draft.reference_value) {
-    draft.block.reference.value = *draft.reference_value;
-  } else if (draft.varies == "soil" || !draft.values.empty()) {
-    throw InvalidParameter("reference_value", "nothing", "given, because the levels have `values` of their own");
-  }
-}
-
-void readLevels(BlockDraft& draft) {
-  for (const TextOrNumber& level : draft.levels) {
-    draft.block.levels.push_back(stimulusOf(draft, "levels", level));
-  }
-  if (draft.levels.size() < 2) {
-    throw InvalidParameter("levels", "", "two or more: one level makes no curve");
-  }
-  if (draft.values.empty() && (draft.varies == "soil" || draft.reference_value)) {
-    throw InvalidParameter("values", "nothing", "given: where each level lies on the axis");
-  }
-  if (draft.values.empty()) {
-    return;
-  }
-  if (draft.values.size() != draft.levels.size()) {
-    throw InvalidParameter("values", "", fmt::format("as many numbers as there are levels, {}", draft.levels.size()));
-  }
-  for (std::size_t i = 0; i < draft.values.size(); ++i) {
-    if (!draft.values[i].number) {
-      throw InvalidParameter("values", "", fmt::format("numbers; '{}' is not a number", draft.values[i].text));
-    }
-    draft.block.levels[i].value = *draft.values[i].number;
-  }
-}
-
-/// What practice or catch trials show: levels, with their values, or other stimuli of the same kind.
-std::vector<Stimulus> easyLevels(const BlockDraft& draft, const char* key, const std::vector<TextOrNumber>& items) {
-  const bool has_places = draft.values.empty();  // that a name or number alone tells
-  std::vector<Stimulus> stimuli;
-  for (const TextOrNumber& wanted : items) {
-    Stimulus stimulus = stimulusOf(draft, key, wanted);
-    const auto level = std::ranges::find(draft.block.levels, stimulus.name, &Stimulus::name);
-    if (level != draft.block.levels.end()) {
-      stimulus = *level;
-    } else if (!has_places) {
-      throw InvalidParameter(key, wanted.text, "among the levels, because these have `values` of their own");
-    }
-    if (stimulus.value == draft.block.reference.value) {
-      throw InvalidParameter(key, wanted.text, "another than the reference");
-    }
-    stimuli.push_back(std::move(stimulus));
-  }
-  return stimuli;
-}
-
-void sortLevels(StudyBlock& block) {
-  std::ranges::stable_sort(block.levels, {}, &Stimulus::value);
-  for (std::size_t i = 1; i < block.levels.size(); ++i) {
-    const Stimulus& one = block.levels[i - 1];
-    const Stimulus& other = block.levels[i];
-    if (one.value == other.value) {
-      throw InvalidParameter("levels", "",
-                             one.name == other.name ? fmt::format("each there once; {} is there twice", one.name)
-                                                    : fmt::format("apart on the axis; {} and {} are both {}", one.name,
-                                                                  other.name, one.value));
-    }
-  }
-}
 
 /// What is said of trials that there are none of is a mistake that nobody would see.
 void requireCriteria(const StudyBlock& block) {
@@ -256,66 +86,6 @@ void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
     require("catch_levels", level);
   }
 }
-
-// --- forms
-// ------------------------------------------------------------------------------------------------------------
-
-void requireCutPoints(const FormItem& item) {
-  const std::vector<double>& cuts = item.cut_points;
-  if (!cuts.empty() && item.kind != FormItem::Kind::kNumber && item.kind != FormItem::Kind::kScale) {
-    throw InvalidParameter("cut_points", "", "left out: only numbers and scales have them");
-  }
-  if (std::ranges::adjacent_find(cuts, std::greater_equal()) != cuts.end()) {
-    throw InvalidParameter("cut_points", "", "numbers, the least first, each there once");
-  }
-  if (!cuts.empty() && item.low < item.high && (cuts.front() <= item.low || cuts.back() > item.high)) {
-    throw InvalidParameter("cut_points", "", fmt::format("> low, {}, and <= high, {}", item.low, item.high));
-  }
-}
-
-void requireWholeItem(const FormItem& item) {
-  const bool is_scale = item.kind == FormItem::Kind::kScale;
-  if (item.kind == FormItem::Kind::kChoice && item.choices.size() < 2) {
-    throw InvalidParameter("choices", "", "at least two texts");
-  }
-  if (item.kind != FormItem::Kind::kChoice && !item.choices.empty()) {
-    throw InvalidParameter("choices", "", "left out: only `kind = \"choice\"` has them");
-  }
-  if (item.low > item.high || (is_scale && item.low == item.high)) {
-    throw InvalidParameter("high", fmt::format("{}", item.high), fmt::format("> low, {}", item.low));
-  }
-  requireCutPoints(item);
-}
-
-std::vector<FormItem> readItems(const TomlReader& reader, std::string_view name) {
-  std::vector<FormItem> items;
-  for (const TomlReader& part : reader.parts(name)) {
-    part.refuseUnknownKeys(keyNames(itemKeys()));
-    FormItem item;
-    for (const ItemKey& key : itemKeys()) {
-      part.apply(key, item);
-    }
-    part.require("", "key");
-    part.require("", "label");
-    part.check(itemKeys(), "", [&] { requireWholeItem(item); });
-    if (std::ranges::find(items, item.key, &FormItem::key) != items.end()) {
-      part.refuseKey({"", "key"}, "another one: an item above has it");
-    }
-    items.push_back(std::move(item));
-  }
-  return items;
-}
-
-std::vector<FormItem> withTaskLoadIndex(bool wanted, std::vector<FormItem> items) {
-  if (wanted) {
-    const std::span<const FormItem> index = nasaTaskLoadIndex();
-    items.insert(items.begin(), index.begin(), index.end());
-  }
-  return items;
-}
-
-// --- the file
-// ---------------------------------------------------------------------------------------------------------
 
 /// Keys of one procedure in a block that has another are a mistake that nobody would see.
 void refuseKeysOfOtherProcedures(const TomlReader& reader, const StudyBlock& block) {
@@ -381,13 +151,13 @@ void requireTeleop(const StudyProtocol& protocol, const StudyBlock& block) {
   if (std::ranges::find(sites, work.site) == sites.end()) {
     throw InvalidParameter("site", inQuotes(work.site), fmt::format("a built-in scene: {}", fmt::join(sites, ", ")));
   }
-  const Scenario model = sceneOf(protocol, block, block.reference);
+  const SceneFile model = sceneOf(protocol, block, block.reference);
   const bool can_learn =
       protocol.scene.bed.soil.friction == FrictionModel::kContact && model.bed.soil.friction == FrictionModel::kContact;
   if (work.felt == TeleopFelt::kLearning && !can_learn) {
     throw InvalidParameter("felt", "learning", "model or none where the study's scene has no contact friction");
   }
-  if (const double tick_s = findScenario(work.site).loop.tick_s; tick_s != model.loop.tick_s) {
+  if (const double tick_s = findSceneFile(work.site).loop.tick_s; tick_s != model.loop.tick_s) {
     throw InvalidParameter("site", inQuotes(work.site),
                            fmt::format("one whose loop has ticks of {:g} s, as the scene's", model.loop.tick_s));
   }
@@ -440,14 +210,10 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
     return block;
   }
   if (block.axis_label.empty()) {
-    block.axis_label = variationOf(draft.varies).axis_label;
+    block.axis_label = axisLabelOf(draft.varies);
   }
   reader.check(blockKeys(), "", [&] {
-    readReference(draft);
-    readLevels(draft);
-    block.practice_levels = easyLevels(draft, "practice_levels", draft.practice_levels);
-    block.catch_levels = easyLevels(draft, "catch_levels", draft.catch_levels);
-    sortLevels(block);
+    readStimuli(draft);
     requireCriteria(block);
     requireVisualDelay(block);
     requireReferenceAmongLevels(block);
@@ -469,7 +235,7 @@ std::string builtInScene(const TomlReader& reader) {
   return std::ranges::find(names, name) != names.end() ? name : "";
 }
 
-StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
+StudyProtocol read(const TomlReader& reader, const SceneFile* scene) {
   std::vector<KeyName> known = keyNames(protocolKeys());
   for (const char* tables : {"block", "demographics", "groups", "item"}) {
     known.push_back({"", tables});
@@ -487,9 +253,9 @@ StudyProtocol read(const TomlReader& reader, const Scenario* scene) {
   if (scene != nullptr) {
     protocol.scene = *scene;
   } else if (!built_in.empty()) {
-    protocol.scene = findScenario(built_in);
+    protocol.scene = findSceneFile(built_in);
   } else if (!draft.scene_file.empty()) {
-    protocol.scene = loadScenario(draft.scene_file);
+    protocol.scene = loadSceneFile(draft.scene_file);
   }
   reader.require("", "block");
   for (const TomlReader& part : reader.parts("block")) {
@@ -514,7 +280,7 @@ StudyProtocol loadProtocol(const fs::path& path) {
   return read(TomlReader(path, kProtocol), nullptr);
 }
 
-StudyProtocol loadProtocolText(std::string_view toml, std::string_view name, const Scenario* scene) {
+StudyProtocol loadProtocolText(std::string_view toml, std::string_view name, const SceneFile* scene) {
   return read(TomlReader(fs::path(name), toml, kProtocol), scene);
 }
 
@@ -558,7 +324,7 @@ ProtocolText findProtocol(std::string_view name_or_file) {
   return {.name = path.string(), .text = std::move(text)};
 }
 
-Scenario sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus) {
+SceneFile sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus) {
   return changed(changed(protocol.scene, block.scene), stimulus.change);
 }
 
@@ -568,29 +334,6 @@ std::size_t farthestLevel(const StudyBlock& block) {
                           : std::abs(level.value - block.reference.value);
   };
   return static_cast<std::size_t>(std::ranges::max_element(block.levels, {}, distance) - block.levels.begin());
-}
-
-std::span<const FormItem> nasaTaskLoadIndex() {
-  const auto scale = [](const char* key, const char* label, const char* low, const char* high) {
-    return FormItem{.key = key,
-                    .label = label,
-                    .kind = FormItem::Kind::kScale,
-                    .low = 0,
-                    .high = 100,
-                    .low_label = low,
-                    .high_label = high,
-                    .required = true};
-  };
-  static const std::vector<FormItem> kScales{
-      scale("tlx_mental_demand", "Mental demand: how much thinking, deciding and remembering did it take?", "very low",
-            "very high"),
-      scale("tlx_physical_demand", "Physical demand: how much bodily effort did it take?", "very low", "very high"),
-      scale("tlx_temporal_demand", "Temporal demand: how hurried did you feel?", "very low", "very high"),
-      scale("tlx_performance", "Performance: how well do you think you did?", "perfect", "failure"),
-      scale("tlx_effort", "Effort: how hard did you have to work to do that well?", "very low", "very high"),
-      scale("tlx_frustration", "Frustration: how annoyed, stressed or discouraged were you?", "very low", "very high"),
-  };
-  return kScales;
 }
 
 }  // namespace haptolith

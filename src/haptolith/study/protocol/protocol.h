@@ -10,8 +10,8 @@
 
 #include "haptolith/psychometrics/adaptive/quest_plus.h"
 #include "haptolith/psychometrics/adaptive/staircase.h"
-#include "haptolith/scenario/scenario.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/scene_file.h"
+#include "haptolith/scene_file/site_task.h"
 #include "haptolith/session/scene_change.h"
 
 namespace haptolith {
@@ -117,7 +117,7 @@ struct GroupAssignment {
 /// A user study before anybody has taken part.
 struct StudyProtocol {
   std::string title = {}, consent = {}, instructions = {}, thanks = {};
-  Scenario scene = {};
+  SceneFile scene = {};
   BlockOrder order = BlockOrder::kFixed;
   std::vector<StudyBlock> blocks = {};
   std::vector<ParticipantGroup> groups = {};  ///< empty: everybody goes through all blocks
@@ -139,7 +139,7 @@ struct StudyProtocol {
 /// The same for a text that is no file; messages call it `name`, and a scene's file lies beside what that would be.
 /// With a scene given, the one that the text names is not read.
 [[nodiscard]] StudyProtocol loadProtocolText(std::string_view toml, std::string_view name,
-                                             const Scenario* scene = nullptr);
+                                             const SceneFile* scene = nullptr);
 
 /// The text of a protocol, and what messages call it.
 struct ProtocolText {
@@ -157,7 +157,7 @@ void requireFilledIn(const StudyProtocol& protocol);
 [[nodiscard]] std::vector<std::string_view> protocolNames();
 
 /// The scene that shows one stimulus of a block. @throws InvalidParameter, Failure: as changed().
-[[nodiscard]] Scenario sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus);
+[[nodiscard]] SceneFile sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus);
 
 /// The level farthest from the reference on the block's axis, the smaller one of two.
 [[nodiscard]] std::size_t farthestLevel(const StudyBlock& block);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "haptolith/scenario/toml/toml_reader.h"
+#include "haptolith/scene_file/toml/toml_reader.h"
 #include "haptolith/study/protocol/protocol.h"
 
 namespace haptolith {

@@ -9,11 +9,13 @@
 #include <limits>
 #include <system_error>
 
-#include "haptolith/scenario/scene_words.h"
-#include "haptolith/scenario/site_task.h"
-#include "haptolith/scenario/soil_file.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/site_task.h"
+#include "haptolith/scene_file/soil_file.h"
+#include "haptolith/scene_file/toml/member_keys.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/presets.h"
+#include "haptolith/study/protocol/protocol_levels.h"
 
 namespace haptolith {
 
@@ -26,32 +28,18 @@ constexpr Range kTrials{0, 1000};
 constexpr Range kShare{0, 1};
 constexpr std::size_t kLongestName = 32;
 
-constexpr double kMm = 1e-3;           // m
 constexpr Range kVisualDelay_s{0, 5};  // so many pictures a page can hold back
 
 constexpr std::array kSceneNumbers{
-    SceneNumber{"soil_depth_mm", "depth of the soil (mm)", kMm, &SceneChange::soil_depth_m},
-    SceneNumber{"stone_size_mm", "size of the stone (mm)", kMm, &SceneChange::stone_size_m},
-    SceneNumber{"stone_depth_mm", "depth of the stone (mm)", kMm, &SceneChange::stone_depth_m},
-    SceneNumber{"gravity_m_s2", "gravity (m/s²)", 1, &SceneChange::gravity_m_s2},
+    SceneNumber{"soil_depth_mm", "depth of the soil (mm)", kMillimetres.in_si, &SceneChange::soil_depth_m,
+                BedRanges::length_m, "Height of the soil, of a bed that starts `packed` or `settled`."},
+    SceneNumber{"stone_size_mm", "size of the stone (mm)", kMillimetres.in_si, &SceneChange::stone_size_m, kStoneSize_m,
+                "Size of each [[stone]] of the scene."},
+    SceneNumber{"stone_depth_mm", "depth of the stone (mm)", kMillimetres.in_si, &SceneChange::stone_depth_m,
+                StonesRanges::depth_m, "How deep the middle of each [[stone]] lies below the surface."},
+    SceneNumber{"gravity_m_s2", "gravity (m/s²)", 1, &SceneChange::gravity_m_s2, BedRanges::gravity_m_s2,
+                "Gravity by its number."},
 };
-
-constexpr std::array<std::string_view, 8> kVariedOfSoil{"preset",
-                                                        "body",
-                                                        "soil",
-                                                        "friction_coefficient",
-                                                        "friction_angle_deg",
-                                                        "cohesion_pa",
-                                                        "contact_friction",
-                                                        "contact_cohesion_mn"};
-
-/// What a block may vary: what the soil is, and any number of the scene.
-constexpr auto kVariedThings = [] {
-  std::array<std::string_view, kVariedOfSoil.size() + kSceneNumbers.size()> all{};
-  const auto end = std::ranges::copy(kVariedOfSoil, all.begin()).out;
-  std::ranges::transform(kSceneNumbers, end, &SceneNumber::key);
-  return all;
-}();
 
 constexpr std::array kOrderWords{
     SceneWord{"fixed", BlockOrder::kFixed},
@@ -135,25 +123,9 @@ std::vector<double> numbersOf(const std::vector<TextOrNumber>& items) {
   return numbers;
 }
 
-template <double StudyBlock::*kNumber>
-BlockKey::NumberValue number(const Range& valid) {
-  return {valid, [](BlockDraft& d, double v) { d.block.*kNumber = v; }, kOnlyRead};
-}
-
-template <int StudyBlock::*kCount>
-BlockKey::CountValue trials(const Range& valid = kTrials) {
-  return {valid, [](BlockDraft& d, std::int64_t v) { d.block.*kCount = static_cast<int>(v); }, kOnlyRead};
-}
-
-template <int StaircaseOptions::*kCount>
-BlockKey::CountValue ofStaircase(const Range& valid) {
-  return {valid, [](BlockDraft& d, std::int64_t v) { d.block.staircase.*kCount = static_cast<int>(v); }, kOnlyRead};
-}
-
-template <std::vector<double> QuestPlusOptions::*kNumbers>
-BlockKey::ItemsValue ofQuestPlus(std::string_view valid) {
-  return {valid, [](BlockDraft& d, const std::vector<TextOrNumber>& items) {
-            d.block.quest_plus.*kNumbers = numbersOf(items);
+BlockKey::ItemsValue ofQuestPlus(std::vector<double> QuestPlusOptions::*numbers) {
+  return {"numbers", [numbers](BlockDraft& d, const std::vector<TextOrNumber>& items) {
+            d.block.quest_plus.*numbers = numbersOf(items);
           }};
 }
 
@@ -174,26 +146,6 @@ void setDesign(BlockDraft& draft, std::string_view text) {
   options.design = Design::kForcedChoice;
 }
 
-template <bool StudyBlock::*kSwitch>
-BlockKey::SwitchValue onOrOff() {
-  return {[](BlockDraft& d, bool v) { d.block.*kSwitch = v; }, kOnlyRead};
-}
-
-template <std::string StudyBlock::*kText>
-BlockKey::TextValue text(TextSize size = TextSize::kLine) {
-  return {[](BlockDraft& d, std::string_view v) { d.block.*kText = v; }, kOnlyRead, size};
-}
-
-template <std::string FormItem::*kText>
-ItemKey::TextValue itemText(TextSize size = TextSize::kLine) {
-  return {[](FormItem& i, std::string_view v) { i.*kText = v; }, kOnlyRead, size};
-}
-
-template <std::string StudyProtocol::*kText>
-ProtocolKey::TextValue pageText(TextSize size = TextSize::kPage) {
-  return {[](ProtocolDraft& d, std::string_view v) { d.protocol.*kText = v; }, kOnlyRead, size};
-}
-
 std::vector<std::string_view> builtInSoilNames() {
   static const std::vector<std::string> kNames = soilNames();
   return {kNames.begin(), kNames.end()};
@@ -201,64 +153,58 @@ std::vector<std::string_view> builtInSoilNames() {
 
 std::vector<ProtocolKey> allProtocolKeys() {
   using D = ProtocolDraft;
+  const auto protocol = memberKeys<D>("", &D::protocol);
+  const auto assignment = memberKeys<D>("assignment", &D::protocol, &StudyProtocol::assignment);
   return {
-      {"", "title", "", pageText<&StudyProtocol::title>(TextSize::kLine),
-       "What the study is about, in a line; participants see it."},
-      {"", "consent", "", pageText<&StudyProtocol::consent>(),
-       "What a participant agrees to before anything else; paragraphs are split by blank lines. Left out: no such "
-       "page."},
-      {"", "consent_version", "", pageText<&StudyProtocol::consent_version>(TextSize::kLine),
-       "What you call this consent text (a date, a number); it is kept with each consent. Left out: its SHA-256."},
-      {"", "language", "", pageText<&StudyProtocol::language>(TextSize::kLine),
-       "Language of the texts, as BCP 47 has it; left out: `en`."},
+      protocol.text("title", &StudyProtocol::title, "What the study is about, in a line; participants see it."),
+      protocol.text("consent", &StudyProtocol::consent,
+                    "What a participant agrees to before anything else; paragraphs are split by blank lines. Left out: "
+                    "no such page.",
+                    TextSize::kPage),
+      protocol.text(
+          "consent_version", &StudyProtocol::consent_version,
+          "What you call this consent text (a date, a number); it is kept with each consent. Left out: its SHA-256."),
+      protocol.text("language", &StudyProtocol::language, "Language of the texts, as BCP 47 has it; left out: `en`."),
       {"", "authors", "",
        ProtocolKey::ItemsValue{
            "texts", [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.authors = textsOf(items); }},
        "Whose study it is, for BIDS exports: a text for each person."},
-      {"", "instructions", "", pageText<&StudyProtocol::instructions>(), "What is read before the first block."},
-      {"", "thanks", "", pageText<&StudyProtocol::thanks>(), "What is read at the end."},
+      protocol.text("instructions", &StudyProtocol::instructions, "What is read before the first block.",
+                    TextSize::kPage),
+      protocol.text("thanks", &StudyProtocol::thanks, "What is read at the end.", TextSize::kPage),
       {"", "scene", "",
        ProtocolKey::PathValue{[](D& d, const std::filesystem::path& v) { d.scene_file = v; }, kOnlyRead},
-       "A scene file (scenarios.md), beside the protocol, or the name of a built-in scene; left out: the paper's "
+       "A scene file (scenes.md), beside the protocol, or the name of a built-in scene; left out: the paper's "
        "scene."},
-      {"", "order", "",
-       ProtocolKey::WordValue{namesOf(kOrderWords),
-                              [](D& d, std::string_view v) { d.protocol.order = valueOf(kOrderWords, v); }, kOnlyRead},
-       "In what order a participant comes to the blocks: as they stand, balanced over participants, or drawn for each; "
-       "left out: `fixed`."},
-      {"", "record", "", ProtocolKey::SwitchValue{[](D& d, bool v) { d.protocol.record = v; }, kOnlyRead},
-       "Whether each trial goes into a recording of its own (recording.md); left out: true."},
+      protocol.word("order", &StudyProtocol::order, kOrderWords,
+                    "In what order a participant comes to the blocks: as they stand, balanced over participants, or "
+                    "drawn for each; left out: `fixed`."),
+      protocol.onOrOff("record", &StudyProtocol::record,
+                       "Whether each trial goes into a recording of its own (recording.md); left out: true."),
       {"", "questionnaire", "",
        ProtocolKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
        "A questionnaire after the last block, before the items of `[[item]]`."},
-      {"", "participants", "",
-       ProtocolKey::CountValue{
-           {1, 10'000}, [](D& d, std::int64_t v) { d.protocol.planned_participants = static_cast<int>(v); }, kOnlyRead},
-       "How many participants shall finish: the stopping rule, which `study status` and the preregistration tell. Left "
-       "out: no rule."},
-      {"assignment", "method", "",
-       ProtocolKey::WordValue{
-           namesOf(kAssignmentWords),
-           [](D& d, std::string_view v) { d.protocol.assignment.method = valueOf(kAssignmentWords, v); }, kOnlyRead},
-       "Who comes into which group: in turn, in permuted blocks (as many of each group as its share, in an order that "
-       "is "
-       "drawn), or in permuted blocks within each stratum; left out: `random`."},
-      {"assignment", "block_size", "",
-       ProtocolKey::CountValue{
-           {2, 1000}, [](D& d, std::int64_t v) { d.protocol.assignment.block_size = static_cast<int>(v); }, kOnlyRead},
-       "How many participants a permuted block has: a multiple of the sum of all shares; left out: twice that sum."},
+      protocol.count("participants", &StudyProtocol::planned_participants, {1, 10'000},
+                     "How many participants shall finish: the stopping rule, which `study status` and the "
+                     "preregistration tell. Left out: no rule."),
+      assignment.word("method", &GroupAssignment::method, kAssignmentWords,
+                      "Who comes into which group: in turn, in permuted blocks (as many of each group as its share, in "
+                      "an order that is drawn), or in permuted blocks within each stratum; left out: `random`."),
+      assignment.count(
+          "block_size", &GroupAssignment::block_size, {2, 1000},
+          "How many participants a permuted block has: a multiple of the sum of all shares; left out: twice that sum."),
       {"assignment", "strata", "",
        ProtocolKey::ItemsValue{
            "keys of [[demographics]] items",
            [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.assignment.strata = textsOf(items); }},
        "Whose answers make the strata, for `stratified`: items of the kinds `choice` and `yes-no`, and numbers and "
-       "scales "
-       "with `cut_points`, that are `required` and not `personal`."},
+       "scales with `cut_points`, that are `required` and not `personal`."},
   };
 }
 
 std::vector<GroupKey> allGroupKeys() {
   using D = GroupDraft;
+  const auto group = memberKeys<D>("", &D::group);
   return {
       {"", "name", "",
        GroupKey::TextValue{[](D& d, std::string_view v) { d.group.name = nameOf("name", v, ""); }, kOnlyRead},
@@ -267,37 +213,34 @@ std::vector<GroupKey> allGroupKeys() {
        GroupKey::ItemsValue{"names of blocks",
                             [](D& d, const std::vector<TextOrNumber>& items) { d.blocks = textsOf(items); }},
        "The blocks that the group goes through, with `order = \"fixed\"` in this order; left out: all of them."},
-      {"", "share", "",
-       GroupKey::CountValue{{1, 100}, [](D& d, std::int64_t v) { d.group.share = static_cast<int>(v); }, kOnlyRead},
-       "Its part of the participants, over the sum of all shares: 2 and 1 are two thirds and one third. Left out: 1."},
+      group.count("share", &ParticipantGroup::share, {1, 100},
+                  "Its part of the participants, over the sum of all shares: 2 and 1 are two thirds and one third. "
+                  "Left out: 1."),
   };
 }
 
 std::vector<BlockKey> designKeys() {
   using D = BlockDraft;
+  const auto block = memberKeys<D>("", &D::block);
+  const auto draft = memberKeys<D>("");
   return {
       {"", "name", "",
        BlockKey::TextValue{[](D& d, std::string_view v) { d.block.name = nameOf("name", v, ""); }, kOnlyRead},
        "What files and tables call the block: letters and digits."},
-      {"", "title", "", text<&StudyBlock::title>(), "What participants see above it; left out: nothing."},
-      {"", "instructions", "", text<&StudyBlock::instructions>(TextSize::kPage),
-       "What is read before its first trial."},
-      {"", "hypothesis", "", text<&StudyBlock::hypothesis>(TextSize::kPage),
-       "What is expected of the block, for the preregistration; nobody sees it while the study runs. Left out: none."},
-      {"", "question", "", text<&StudyBlock::question>(TextSize::kPage), "What is asked after the two stimuli."},
+      block.text("title", &StudyBlock::title, "What participants see above it; left out: nothing."),
+      block.text("instructions", &StudyBlock::instructions, "What is read before its first trial.", TextSize::kPage),
+      block.text("hypothesis", &StudyBlock::hypothesis,
+                 "What is expected of the block, for the preregistration; nobody sees it while the study runs. Left "
+                 "out: none.",
+                 TextSize::kPage),
+      block.text("question", &StudyBlock::question, "What is asked after the two stimuli.", TextSize::kPage),
       {"", "answers", "", BlockKey::ItemsValue{"two different texts", setAnswers},
        "The two answers, left and right: first \"the second had less\", then \"the second had more\"; with "
-       "`two-interval` "
-       "the "
-       "first and the second stimulus."},
-      {"", "varies", "",
-       BlockKey::WordValue{
-           {kVariedThings.begin(), kVariedThings.end()}, [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
+       "`two-interval` the first and the second stimulus."},
+      {"", "varies", "", BlockKey::WordValue{variedThings(), [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
        "What differs between test and reference: the soil as a preset or by name, the celestial body, or one number of "
-       "the scene (`[block.scene]` has them). "
-       "`friction_coefficient` is the tangent of the friction angle, of which the paper's Weber fraction is one: 0.29 "
-       "of "
-       "it is 0.18 of an angle of 40°."},
+       "the scene (`[block.scene]` has them). `friction_coefficient` is the tangent of the friction angle, of which "
+       "the paper's Weber fraction is one: 0.29 of it is 0.18 of an angle of 40°."},
       {"", "reference", "", BlockKey::ItemsValue{"a name, or a number", [](D& d, const auto& v) { d.reference = v; }},
        "What each test is compared with."},
       {"", "levels", "",
@@ -305,73 +248,65 @@ std::vector<BlockKey> designKeys() {
        "What is compared with the reference, in any order; two at least."},
       {"", "values", "", BlockKey::ItemsValue{"a number for each level", [](D& d, const auto& v) { d.values = v; }},
        "Where the levels lie on the axis, in the same order; needed for soils by name. Left out: a preset's "
-       "coefficient of "
-       "friction (paper, Table II), a body's gravity, a number itself."},
-      {"", "reference_value", "",
-       BlockKey::NumberValue{kAnyNumber, [](D& d, double v) { d.reference_value = v; }, kOnlyRead},
-       "Where the reference lies on the axis; needed with `values`."},
-      {"", "axis_label", "", text<&StudyBlock::axis_label>(),
-       "What the axis shows, with its unit; left out: the name of what varies. Needed for soils by name."},
-      {"", "log_axis", "", onOrOff<&StudyBlock::log_axis>(),
-       "Whether curves are drawn over the logarithm; left out: false."},
-      {"", "task", "",
-       BlockKey::WordValue{namesOf(kTaskWords), [](D& d, std::string_view v) { d.block.task = valueOf(kTaskWords, v); },
-                           kOnlyRead},
-       "What comes first and what is asked: reference, then test; the same question with the order drawn; or which of "
-       "the "
-       "two. Left out: `reference-first`, the paper's."},
-      {"", "procedure", "",
-       BlockKey::WordValue{namesOf(kProcedureWords),
-                           [](D& d, std::string_view v) { d.block.procedure = valueOf(kProcedureWords, v); },
-                           kOnlyRead},
-       "What chooses the levels: a list made beforehand, or the answers so far; left out: `constant`."},
-      {"", "repeats", "", trials<&StudyBlock::repeats>({1, 1000}),
-       "How often each level is shown; for `constant`. Left out: 3."},
+       "coefficient of friction (paper, Table II), a body's gravity, a number itself."},
+      draft.number("reference_value", &D::reference_value, kAnyNumber,
+                   "Where the reference lies on the axis; needed with `values`."),
+      block.text("axis_label", &StudyBlock::axis_label,
+                 "What the axis shows, with its unit; left out: the name of what varies. Needed for soils by name."),
+      block.onOrOff("log_axis", &StudyBlock::log_axis, "Whether curves are drawn over the logarithm; left out: false."),
+      block.word("task", &StudyBlock::task, kTaskWords,
+                 "What comes first and what is asked: reference, then test; the same question with the order drawn; or "
+                 "which of the two. Left out: `reference-first`, the paper's."),
+      block.word("procedure", &StudyBlock::procedure, kProcedureWords,
+                 "What chooses the levels: a list made beforehand, or the answers so far; left out: `constant`."),
+      block.count("repeats", &StudyBlock::repeats, {1, 1000},
+                  "How often each level is shown; for `constant`. Left out: 3."),
   };
 }
 
 std::vector<BlockKey> courseKeys() {
   using D = BlockDraft;
+  const auto block = memberKeys<D>("", &D::block);
   return {
-      {"", "practice_trials", "", trials<&StudyBlock::practice_trials>(),
-       "Trials before the others, which count for nothing."},
+      block.count("practice_trials", &StudyBlock::practice_trials, kTrials,
+                  "Trials before the others, which count for nothing."),
       {"", "practice_levels", "",
        BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.practice_levels = v; }},
        "What practice shows, each equally often, to one: levels, or others that are easier. Left out: the levels."},
-      {"", "practice_criterion", "", number<&StudyBlock::practice_criterion>(kShare),
-       "Share of right answers in a round of practice that ends practice; otherwise another round comes, up to "
-       "`practice_rounds`. A participant who never reaches it goes on, and is reported. Left out: 0."},
-      {"", "practice_rounds", "", trials<&StudyBlock::practice_rounds>({1, 20}),
-       "Rounds of `practice_trials` trials at most; left out: 1."},
-      {"", "catch_trials", "", trials<&StudyBlock::catch_trials>(),
-       "Easy trials among the others: they show whether a participant attends."},
+      block.number(
+          "practice_criterion", &StudyBlock::practice_criterion, kShare,
+          "Share of right answers in a round of practice that ends practice; otherwise another round comes, up to "
+          "`practice_rounds`. A participant who never reaches it goes on, and is reported. Left out: 0."),
+      block.count("practice_rounds", &StudyBlock::practice_rounds, {1, 20},
+                  "Rounds of `practice_trials` trials at most; left out: 1."),
+      block.count("catch_trials", &StudyBlock::catch_trials, kTrials,
+                  "Easy trials among the others: they show whether a participant attends."),
       {"", "catch_levels", "",
        BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.catch_levels = v; }},
        "What catch trials show, each equally often, in random order: levels, or others that are easier still. Left "
-       "out: "
-       "the level farthest from the reference."},
-      {"", "catch_criterion", "", number<&StudyBlock::catch_criterion>(kShare),
-       "Share of right answers in catch trials below which a participant is reported; left out: 0."},
-      {"", "feedback", "", onOrOff<&StudyBlock::feedback>(),
-       "Whether a participant is told that an answer was right; left out: false."},
-      {"", "practice_feedback", "", onOrOff<&StudyBlock::practice_feedback>(),
-       "The same in practice trials; left out: true."},
-      {"", "visual", "", onOrOff<&StudyBlock::visual>(),
-       "Whether the scene is seen while it is felt; false for haptics alone. Left out: true."},
-      {"", "visual_delay_s", "", number<&StudyBlock::visual_delay_s>(kVisualDelay_s),
-       "How much later than the force its picture is seen; left out: 0. Until then the picture shows the soil "
-       "as it was before."},
-      {"", "interval_s", "", number<&StudyBlock::interval_s>(kSeconds),
-       "Longest time with one stimulus; 0: until the participant goes on."},
-      {"", "between_intervals_s", "", number<&StudyBlock::between_intervals_s>(kSeconds),
-       "From the end of the first stimulus to the beginning of the second; left out: 0.25, which is long enough for "
-       "any change of soil."},
-      {"", "between_trials_s", "", number<&StudyBlock::between_trials_s>(kSeconds),
-       "From the answer, or the end of its feedback, to the next first stimulus; left out: 0.25."},
-      {"", "answer_limit_s", "", number<&StudyBlock::answer_limit_s>(kSeconds), "Longest time for an answer; 0: none."},
-      {"", "break_every_trials", "", trials<&StudyBlock::break_every_trials>(),
-       "After how many trials a break comes; 0: no breaks."},
-      {"", "break_s", "", number<&StudyBlock::break_s>(kSeconds), "Shortest length of a break."},
+       "out: the level farthest from the reference."},
+      block.number("catch_criterion", &StudyBlock::catch_criterion, kShare,
+                   "Share of right answers in catch trials below which a participant is reported; left out: 0."),
+      block.onOrOff("feedback", &StudyBlock::feedback,
+                    "Whether a participant is told that an answer was right; left out: false."),
+      block.onOrOff("practice_feedback", &StudyBlock::practice_feedback,
+                    "The same in practice trials; left out: true."),
+      block.onOrOff("visual", &StudyBlock::visual,
+                    "Whether the scene is seen while it is felt; false for haptics alone. Left out: true."),
+      block.number("visual_delay_s", &StudyBlock::visual_delay_s, kVisualDelay_s,
+                   "How much later than the force its picture is seen; left out: 0. Until then the picture shows the "
+                   "soil as it was before."),
+      block.number("interval_s", &StudyBlock::interval_s, kSeconds,
+                   "Longest time with one stimulus; 0: until the participant goes on."),
+      block.number("between_intervals_s", &StudyBlock::between_intervals_s, kSeconds,
+                   "From the end of the first stimulus to the beginning of the second; left out: 0.25, which is long "
+                   "enough for any change of soil."),
+      block.number("between_trials_s", &StudyBlock::between_trials_s, kSeconds,
+                   "From the answer, or the end of its feedback, to the next first stimulus; left out: 0.25."),
+      block.number("answer_limit_s", &StudyBlock::answer_limit_s, kSeconds, "Longest time for an answer; 0: none."),
+      block.count("break_every_trials", &StudyBlock::break_every_trials, kTrials,
+                  "After how many trials a break comes; 0: no breaks."),
+      block.number("break_s", &StudyBlock::break_s, kSeconds, "Shortest length of a break."),
       {"", "questionnaire", "",
        BlockKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
        "A questionnaire after the block, before the items of `[[block.item]]`."},
@@ -381,85 +316,61 @@ std::vector<BlockKey> courseKeys() {
 std::vector<BlockKey> procedureKeys() {
   using D = BlockDraft;
   constexpr Range kFew{1, 10};
+  const auto staircase = memberKeys<D>("staircase", &D::block, &StudyBlock::staircase);
+  const auto quest_plus = memberKeys<D>("quest_plus", &D::block, &StudyBlock::quest_plus);
   return {
-      {"staircase", "target", "",
-       BlockKey::WordValue{namesOf(kTargetWords),
-                           [](D& d, std::string_view v) { d.block.staircase.target = valueOf(kTargetWords, v); },
-                           kOnlyRead},
-       "The least difference that is noticed, by a staircase on each side of the reference, or the level that feels "
-       "like "
-       "the reference; left out: `difference`."},
-      {"staircase", "staircases", "", ofStaircase<&StaircaseOptions::staircases>(kFew),
-       "How many take turns, with `difference` on each side of the reference; with `equality` every second one begins "
-       "at "
-       "the other end. Left out: 1."},
-      {"staircase", "down", "", ofStaircase<&StaircaseOptions::down>(kFew),
-       "Right answers in a row that lead a step on; left out: 2."},
-      {"staircase", "up", "", ofStaircase<&StaircaseOptions::up>(kFew),
-       "Wrong answers in a row that lead a step back; left out: 1."},
-      {"staircase", "start", "",
-       BlockKey::NumberValue{kAnyNumber, [](D& d, double v) { d.block.staircase.start = v; }, kOnlyRead},
-       "With `equality`, where on the axis it begins; left out: at the last level."},
-      {"staircase", "first_step", "", ofStaircase<&StaircaseOptions::first_step>({1, 100}),
-       "Levels at a time until the first reversal; left out: 2."},
-      {"staircase", "step", "", ofStaircase<&StaircaseOptions::step>({1, 100}),
-       "Levels at a time after it; left out: 1."},
-      {"staircase", "reversals", "", ofStaircase<&StaircaseOptions::reversals>({1, 100}),
-       "Reversals that end a staircase; left out: 8."},
-      {"staircase", "uncounted_reversals", "", ofStaircase<&StaircaseOptions::uncounted_reversals>({0, 99}),
-       "How many of them, the first, do not count for the result; left out: 2."},
-      {"staircase", "most_trials", "", ofStaircase<&StaircaseOptions::most_trials>({1, 1000}),
-       "Trials that end the procedure in any case; left out: 80."},
+      staircase.word("target", &StaircaseOptions::target, kTargetWords,
+                     "The least difference that is noticed, by a staircase on each side of the reference, or the level "
+                     "that feels like the reference; left out: `difference`."),
+      staircase.count("staircases", &StaircaseOptions::staircases, kFew,
+                      "How many take turns, with `difference` on each side of the reference; with `equality` every "
+                      "second one begins at the other end. Left out: 1."),
+      staircase.count("down", &StaircaseOptions::down, kFew,
+                      "Right answers in a row that lead a step on; left out: 2."),
+      staircase.count("up", &StaircaseOptions::up, kFew, "Wrong answers in a row that lead a step back; left out: 1."),
+      staircase.number("start", &StaircaseOptions::start, kAnyNumber,
+                       "With `equality`, where on the axis it begins; left out: at the last level."),
+      staircase.count("first_step", &StaircaseOptions::first_step, {1, 100},
+                      "Levels at a time until the first reversal; left out: 2."),
+      staircase.count("step", &StaircaseOptions::step, {1, 100}, "Levels at a time after it; left out: 1."),
+      staircase.count("reversals", &StaircaseOptions::reversals, {1, 100},
+                      "Reversals that end a staircase; left out: 8."),
+      staircase.count("uncounted_reversals", &StaircaseOptions::uncounted_reversals, {0, 99},
+                      "How many of them, the first, do not count for the result; left out: 2."),
+      staircase.count("most_trials", &StaircaseOptions::most_trials, {1, 1000},
+                      "Trials that end the procedure in any case; left out: 80."),
       {"quest_plus", "sigmoid", "",
        BlockKey::WordValue{namesOf(kSigmoidNames),
                            [](D& d, std::string_view v) { d.block.quest_plus.sigmoid = sigmoidNamed(v); }, kOnlyRead},
        "Shape of the psychometric function; left out: `weber` (paper 22)."},
       {"quest_plus", "design", "", BlockKey::TextValue{setDesign, kOnlyRead},
        "Its asymptotes: `equal-asymptote` (who does not attend says \"more\" as often as \"less\"), `2afc`, `3afc`, "
-       "... "
-       "`100afc` (a lower asymptote of one half, one third, ...: the levels lie on one side of the reference), or "
-       "`yesno` "
-       "(a lower asymptote of its own). Left out: `equal-asymptote`."},
-      {"quest_plus", "thresholds", "", ofQuestPlus<&QuestPlusOptions::thresholds>("numbers"),
+       "... `100afc` (a lower asymptote of one half, one third, ...: the levels lie on one side of the reference), or "
+       "`yesno` (a lower asymptote of its own). Left out: `equal-asymptote`."},
+      {"quest_plus", "thresholds", "", ofQuestPlus(&QuestPlusOptions::thresholds),
        "Thresholds that are thought possible, on the axis; left out: 15 within the levels, about the reference."},
-      {"quest_plus", "widths", "", ofQuestPlus<&QuestPlusOptions::widths>("numbers"),
+      {"quest_plus", "widths", "", ofQuestPlus(&QuestPlusOptions::widths),
        "Widths that are thought possible, with `weber` Weber fractions; left out: 25 that the levels can tell apart."},
-      {"quest_plus", "lapses", "", ofQuestPlus<&QuestPlusOptions::lapses>("numbers"),
+      {"quest_plus", "lapses", "", ofQuestPlus(&QuestPlusOptions::lapses),
        "Lapse rates that are thought possible; left out: 0, 0.02 and 0.05."},
-      {"quest_plus", "guesses", "", ofQuestPlus<&QuestPlusOptions::guesses>("numbers"),
+      {"quest_plus", "guesses", "", ofQuestPlus(&QuestPlusOptions::guesses),
        "Lower asymptotes that are thought possible, for `yesno`; left out: 0, 0.02 and 0.05."},
-      {"quest_plus", "trials", "",
-       BlockKey::CountValue{
-           {1, 1000}, [](D& d, std::int64_t v) { d.block.quest_plus.trials = static_cast<int>(v); }, kOnlyRead},
-       "Trials that end the procedure; left out: 30."},
-      {"quest_plus", "enough_spread", "",
-       BlockKey::NumberValue{{0, 10}, [](D& d, double v) { d.block.quest_plus.enough_spread = v; }, kOnlyRead},
-       "Ends it before, once the logarithm of the width is known with this standard deviation; left out: never."},
+      quest_plus.count("trials", &QuestPlusOptions::trials, {1, 1000}, "Trials that end the procedure; left out: 30."),
+      quest_plus.number(
+          "enough_spread", &QuestPlusOptions::enough_spread, {0, 10},
+          "Ends it before, once the logarithm of the width is known with this standard deviation; left out: never."),
   };
-}
-
-/// A number of the scene of the whole block.
-template <std::size_t kIndex>
-BlockKey sceneNumber(const Range& valid, std::string_view meaning) {
-  const auto set = [](BlockDraft& d, double v) {
-    d.block.scene.*kSceneNumbers[kIndex].member = v * kSceneNumbers[kIndex].unit;
-  };
-  return {"scene", kSceneNumbers[kIndex].key, "",
-          BlockKey::NumberValue{valid.in(kSceneNumbers[kIndex].unit), set, kOnlyRead}, meaning};
 }
 
 /// A number that the soil of the whole block is given.
-#define SLIDER_KEY(name, range, meaning)                                                                           \
-  BlockKey {                                                                                                       \
-    "scene", name, "",                                                                                             \
-        BlockKey::NumberValue{range, [](BlockDraft& d, double v) { d.block.scene.sliders.emplace_back(name, v); }, \
-                              kOnlyRead},                                                                          \
-        meaning                                                                                                    \
-  }
+BlockKey sliderKey(std::string_view key, const Range& valid, std::string_view meaning) {
+  const auto set = [key](BlockDraft& d, double v) { d.block.scene.sliders.emplace_back(std::string(key), v); };
+  return {"scene", key, "", BlockKey::NumberValue{valid, set, kOnlyRead}, meaning};
+}
 
 std::vector<BlockKey> sceneKeys() {
   using D = BlockDraft;
-  return {
+  std::vector<BlockKey> keys{
       {"scene", "preset", "",
        BlockKey::WordValue{namesOf(presets()), [](D& d, std::string_view v) { d.block.scene.preset = v; }, kOnlyRead},
        "Soil of the paper's Table II."},
@@ -473,38 +384,39 @@ std::vector<BlockKey> sceneKeys() {
        BlockKey::WordValue{namesOf(kFrictionWords),
                            [](D& d, std::string_view v) { d.block.scene.friction = valueOf(kFrictionWords, v); },
                            kOnlyRead},
-       "What friction acts against (scenarios.md)."},
-      SLIDER_KEY("friction_angle_deg", (Range{1, 70}), "Friction angle of the soil; for `paper` friction."),
-      SLIDER_KEY("cohesion_pa", (Range{0, kNoLimit}), "Its cohesion; for `paper` friction."),
-      SLIDER_KEY("contact_friction", (Range{0, 2}), "Friction of a contact; for `contact` friction."),
-      SLIDER_KEY("contact_cohesion_mn", (Range{0, kNoLimit}), "Largest pull of a contact; for `contact` friction."),
-      sceneNumber<0>(BedRanges::length_m, "Height of the soil, of a bed that starts `packed` or `settled`."),
-      sceneNumber<1>(kStoneSize_m, "Size of each [[stone]] of the scene."),
-      sceneNumber<2>(StonesRanges::depth_m, "How deep the middle of each [[stone]] lies below the surface."),
-      sceneNumber<3>(BedRanges::gravity_m_s2, "Gravity by its number."),
+       "What friction acts against (scenes.md)."},
+      sliderKey("friction_angle_deg", {1, 70}, "Friction angle of the soil; for `paper` friction."),
+      sliderKey("cohesion_pa", {0, kNoLimit}, "Its cohesion; for `paper` friction."),
   };
+  for (const SoilNumber& number : kSoilNumbers) {
+    if (const SoilControl& control = number.control; !control.key.empty()) {
+      const bool scales = number.radius_power != 0;
+      keys.push_back(sliderKey(control.key, {0, scales ? kNoLimit : control.highest}, control.meaning));
+    }
+  }
+  for (const SceneNumber& number : kSceneNumbers) {
+    const auto set = [number](D& d, double v) { d.block.scene.*number.member = v * number.unit; };
+    keys.push_back(
+        {"scene", number.key, "", BlockKey::NumberValue{number.valid.in(number.unit), set, kOnlyRead}, number.meaning});
+  }
+  return keys;
 }
-
-#undef SLIDER_KEY
 
 std::vector<BlockKey> teleopKeys() {
   using D = BlockDraft;
+  const auto teleop = memberKeys<D>("teleop", &D::teleop);
   return {
-      {"teleop", "task", "",
-       BlockKey::WordValue{namesOf(kSiteTaskWords),
-                           [](D& d, std::string_view v) { d.teleop.task = valueOf(kSiteTaskWords, v); }, kOnlyRead},
-       "What is to be done at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the "
-       "soil with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."},
-      {"teleop", "felt", "",
-       BlockKey::WordValue{namesOf(kTeleopFeltWords),
-                           [](D& d, std::string_view v) { d.teleop.felt = valueOf(kTeleopFeltWords, v); }, kOnlyRead},
-       "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one that "
-       "learns from what the robot meets and sees."},
-      {"teleop", "round_trip_s", "",
-       BlockKey::NumberValue{kRoundTrip_s, [](D& d, double v) { d.teleop.round_trip_s = v; }, kOnlyRead},
-       "Delay to the robot and back; half of it each way."},
-      {"teleop", "site", "", BlockKey::TextValue{[](D& d, std::string_view v) { d.teleop.site = v; }, kOnlyRead},
-       "The built-in scene that the robot digs in, level in each trial; left out: `dig-site`."},
+      teleop.word(
+          "task", &TeleopWork::task, kSiteTaskWords,
+          "What is to be done at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the "
+          "soil with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."),
+      teleop.word("felt", &TeleopWork::felt, kTeleopFeltWords,
+                  "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one "
+                  "that learns from what the robot meets and sees."),
+      teleop.number("round_trip_s", &TeleopWork::round_trip_s, kRoundTrip_s,
+                    "Delay to the robot and back; half of it each way."),
+      teleop.text("site", &TeleopWork::site,
+                  "The built-in scene that the robot digs in, level in each trial; left out: `dig-site`."),
   };
 }
 
@@ -526,33 +438,27 @@ std::vector<BlockKey> allBlockKeys() {
 }
 
 std::vector<ItemKey> allItemKeys() {
+  const auto item = memberKeys<FormItem>("");
   return {
       {"", "key", "",
        ItemKey::TextValue{[](FormItem& i, std::string_view v) { i.key = nameOf("key", v, "_"); }, kOnlyRead},
        "What tables call the answer: letters, digits and _."},
-      {"", "label", "", itemText<&FormItem::label>(TextSize::kPage), "The question."},
-      {"", "kind", "",
-       ItemKey::WordValue{namesOf(kItemWords), [](FormItem& i, std::string_view v) { i.kind = valueOf(kItemWords, v); },
-                          kOnlyRead},
-       "How it is answered; left out: `text`."},
+      item.text("label", &FormItem::label, "The question.", TextSize::kPage),
+      item.word("kind", &FormItem::kind, kItemWords, "How it is answered; left out: `text`."),
       {"", "choices", "",
        ItemKey::ItemsValue{"texts, at least two", [](FormItem& i, const auto& v) { i.choices = textsOf(v); }},
        "What can be chosen; for `choice`."},
-      {"", "low", "", ItemKey::NumberValue{kAnyNumber, [](FormItem& i, double v) { i.low = v; }, kOnlyRead},
-       "The least a number may be, or the left end of a scale."},
-      {"", "high", "", ItemKey::NumberValue{kAnyNumber, [](FormItem& i, double v) { i.high = v; }, kOnlyRead},
-       "The most a number may be, or the right end of a scale."},
-      {"", "low_label", "", itemText<&FormItem::low_label>(), "What the left end of a scale stands for."},
-      {"", "high_label", "", itemText<&FormItem::high_label>(), "What the right end of a scale stands for."},
+      item.number("low", &FormItem::low, kAnyNumber, "The least a number may be, or the left end of a scale."),
+      item.number("high", &FormItem::high, kAnyNumber, "The most a number may be, or the right end of a scale."),
+      item.text("low_label", &FormItem::low_label, "What the left end of a scale stands for."),
+      item.text("high_label", &FormItem::high_label, "What the right end of a scale stands for."),
       {"", "cut_points", "",
        ItemKey::ItemsValue{"numbers, the least first", [](FormItem& i, const auto& v) { i.cut_points = numbersOf(v); }},
        "Where a number or scale is cut into strata, for `[assignment] strata`; a cut belongs to the part above it."},
-      {"", "required", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.required = v; }, kOnlyRead},
-       "Whether it has to be answered; left out: false."},
-      {"", "personal", "", ItemKey::SwitchValue{[](FormItem& i, bool v) { i.personal = v; }, kOnlyRead},
-       "Whether the answer could identify the participant: it is kept apart, and exported only when asked for. Left "
-       "out: "
-       "false."},
+      item.onOrOff("required", &FormItem::required, "Whether it has to be answered; left out: false."),
+      item.onOrOff("personal", &FormItem::personal,
+                   "Whether the answer could identify the participant: it is kept apart, and exported only when asked "
+                   "for. Left out: false."),
   };
 }
 
@@ -576,10 +482,6 @@ std::span<const BlockKey> blockKeys() {
 std::span<const ItemKey> itemKeys() {
   static const std::vector<ItemKey> kKeys = named(allItemKeys());
   return kKeys;
-}
-
-std::span<const std::string_view> variedThings() {
-  return kVariedThings;
 }
 
 std::string_view teleopFeltWord(TeleopFelt felt) {

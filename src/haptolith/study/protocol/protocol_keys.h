@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "haptolith/scenario/toml/file_keys.h"
+#include "haptolith/scene_file/toml/file_keys.h"
 #include "haptolith/study/protocol/protocol.h"
 
 namespace haptolith {
@@ -50,14 +50,13 @@ using ItemKey = FileKey<FormItem>;
 /// "none", "model" or "learning".
 [[nodiscard]] std::string_view teleopFeltWord(TeleopFelt felt);
 
-/// What a block may vary: "preset", "body", "soil", the key of a slider or that of a number of the scene.
-[[nodiscard]] std::span<const std::string_view> variedThings();
-
 /// A number of the scene, other than the soil's, that a block may set or vary.
 struct SceneNumber {
   std::string_view key, axis_label;
-  double unit = 1;  ///< of the key, in SI
-  std::optional<double> SceneChange::*member = nullptr;
+  double unit;  ///< of the key, in SI
+  std::optional<double> SceneChange::*member;
+  Range valid;  ///< in SI
+  std::string_view meaning;
 };
 [[nodiscard]] std::span<const SceneNumber> sceneNumbers();
 

@@ -16,7 +16,7 @@ SimulatedRig::SimulatedRig(const StudyProtocol& protocol, const ExplorationOptio
 }
 
 void SimulatedRig::show(const StudyBlock& block, const Stimulus& stimulus) {
-  const Scenario scene = sceneOf(protocol_, block, stimulus);
+  const SceneFile scene = sceneOf(protocol_, block, stimulus);
   const auto found = std::ranges::find(shown_, scene, &Shown::scene);
   now_ = static_cast<std::size_t>(found - shown_.begin());
   if (found == shown_.end()) {

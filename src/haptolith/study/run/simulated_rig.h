@@ -33,7 +33,7 @@ class SimulatedRig final : public Rig {
  private:
   /// A bed that has been settled, and the scene that it lies in.
   struct Shown {
-    Scenario scene;
+    SceneFile scene;
     LevelBed bed;
   };
 

@@ -337,7 +337,7 @@ void StudyStore::Implementation::openDatabase(Access access) {
   protocol_text = row.getColumn(0).getString();
   seed = static_cast<std::uint64_t>(row.getColumn(2).getInt64());
   created_at = row.getColumn(3).getString();
-  const Scenario scene = loadScenarioText(row.getColumn(1).getString(), file.string() + " (scene)");
+  const SceneFile scene = loadSceneFileText(row.getColumn(1).getString(), file.string() + " (scene)");
   protocol = loadProtocolText(protocol_text, file.string() + " (protocol)", &scene);
   title = protocol.title;
 }

@@ -168,7 +168,7 @@ struct RemovalRow {
 /// which, and what to do.
 class StudyStore {
  public:
-  /// A new file, with the protocol as text and its scene as scenarioText().
+  /// A new file, with the protocol as text and its scene as sceneFileText().
   /// @param seed  below 2^53.
   /// @throws Failure when the file exists or cannot be written; InvalidParameter for a scene that no file can hold.
   static void create(const std::filesystem::path& file, const StudyProtocol& protocol, std::string_view protocol_text,

@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "haptolith/core/error.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/study/store/study_schema.h"
 #include "haptolith/study/store/study_sql.h"
 
@@ -113,7 +113,7 @@ void writeNewStudy(const fs::path& file, const StudyProtocol& protocol, std::str
   database.exec("PRAGMA journal_mode = WAL");
   migrate(database, studyMigrations());
   execute(database, "INSERT INTO study (id, title, protocol, scene, seed, created_at) VALUES (1, ?, ?, ?, ?, ?)",
-          std::string_view(protocol.title), protocol_text, std::string_view(scenarioText(protocol.scene)),
+          std::string_view(protocol.title), protocol_text, std::string_view(sceneFileText(protocol.scene)),
           static_cast<std::int64_t>(seed), std::string_view(nowText()));
 }
 

@@ -14,8 +14,8 @@
 namespace haptolith::simulation {
 
 /// The hand of a scene, above a surface.
-inline HandParameters handAbove(const Scenario& scenario, double surface_m) {
-  HandParameters hand = scenario.hand;
+inline HandParameters handAbove(const SceneFile& scene_file, double surface_m) {
+  HandParameters hand = scene_file.hand;
   hand.surface_m = surface_m;
   return hand;
 }

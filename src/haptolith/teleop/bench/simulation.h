@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "haptolith/identify/training/strength_map.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/link/link.h"
 #include "haptolith/teleop/link/teleop_packet.h"
 #include "haptolith/teleop/operator/force_agreement.h"
@@ -25,8 +25,8 @@ enum class Feedback : std::uint8_t {
 
 /// A teleoperation in simulated time: a virtual hand, a link, a robot in a bed of its own.
 struct TeleopSetup {
-  Scenario model;  ///< the operator's scene; its hand moves the tool
-  Scenario site;   ///< the robot's; its tool digs there. Its hand and device do not count
+  SceneFile model;  ///< the operator's scene; its hand moves the tool
+  SceneFile site;   ///< the robot's; its tool digs there. Its hand and device do not count
   RobotParameters robot;
   LinkParameters up, down;
   Feedback feedback = Feedback::kModel;

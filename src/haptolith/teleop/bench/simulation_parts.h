@@ -17,8 +17,8 @@ inline constexpr std::uint64_t kLookEvery = 250;
 
 /// A bed with its tool, and where its soil's surface is.
 struct Site {
-  explicit Site(const Scenario& scenario)
-      : scene(scenario.bed, scenario.tool), surface_m(meanSurfaceHeight(scene.bed())) {}
+  explicit Site(const SceneFile& scene_file)
+      : scene(scene_file.bed, scene_file.tool), surface_m(meanSurfaceHeight(scene.bed())) {}
 
   /// Over the surface that it began with.
   [[nodiscard]] std::vector<double> heights(const HeightGrid& grid) const {

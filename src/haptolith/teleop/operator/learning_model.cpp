@@ -34,7 +34,7 @@ ModelLearner::Prior priorOf(const SoilState& state) {
 
 }  // namespace
 
-Scenario readyToLearn(Scenario model) {
+SceneFile readyToLearn(SceneFile model) {
   if (!canLearn(model)) {
     throw InvalidParameter("model: soil.friction", "paper", "contact: the paper's has no strength that digging tells");
   }
@@ -42,7 +42,7 @@ Scenario readyToLearn(Scenario model) {
   return model;
 }
 
-LearningModel::LearningModel(const Scenario& model, const StrengthMap& strengths, Work work)
+LearningModel::LearningModel(const SceneFile& model, const StrengthMap& strengths, Work work)
     : strengths_(strengths),
       tick_s_(model.loop.tick_s),
       tool_(toolSurface(model.tool, model.tool.shape == ToolShape::kJaws ? 0.01 : 0)),

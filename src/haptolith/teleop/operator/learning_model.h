@@ -9,21 +9,21 @@
 #include "haptolith/core/process/async.h"
 #include "haptolith/identify/model_learner.h"
 #include "haptolith/identify/training/strength_map.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/link/robot_report.h"
 
 namespace haptolith {
 
 /// Whether a model's soil can become like another: not with the paper's friction, which has no strength that digging
 /// tells.
-[[nodiscard]] inline bool canLearn(const Scenario& model) {
+[[nodiscard]] inline bool canLearn(const SceneFile& model) {
   return model.bed.soil.friction == FrictionModel::kContact;
 }
 
 /// A model that may learn: contacts without cohesion get a millionth of a newton of it, for a bed whose soil has none
 /// does not look for neighbours as far away as cohesion reaches.
 /// @throws InvalidParameter unless it canLearn().
-[[nodiscard]] Scenario readyToLearn(Scenario model);
+[[nodiscard]] SceneFile readyToLearn(SceneFile model);
 
 /// An operator's model whose soil becomes like that which the robot meets, while both dig.
 ///
@@ -37,7 +37,7 @@ class LearningModel {
  public:
   /// @param model  readyToLearn().
   /// @param work  where what was met is thought about, which takes some hundredths of a second.
-  LearningModel(const Scenario& model, const StrengthMap& strengths, Work work = Work::kAtOnce);
+  LearningModel(const SceneFile& model, const StrengthMap& strengths, Work work = Work::kAtOnce);
 
   /// A report of the robot, and the mean of what was felt over the same commands. In any order, each once.
   void met(const RobotReport& report, const Vec3& displayed_n);

@@ -18,7 +18,7 @@ constexpr std::uint64_t kAnotherPlace = 1000;  ///< of the site: another specime
 constexpr std::uint64_t kKeyEvery = 20;        ///< ticks
 constexpr std::uint64_t kLookEvery = 250;
 
-BedParameters untouched(const Scenario& site) {
+BedParameters untouched(const SceneFile& site) {
   const DiggingField field;
   BedParameters bed = site.bed;
   bed.width_m = field.width_m;
@@ -64,7 +64,7 @@ class ProbeCommands {
 
 }  // namespace
 
-ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, const Training& training,
+ProbedSoil probeSite(const SceneFile& site, const RobotParameters& parameters, const Training& training,
                      const LabProgress& progress) {
   const ToolMovement& movement = training.movement;
   const double tick_s = site.loop.tick_s;
@@ -101,7 +101,7 @@ ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, co
   return {identifier.identify(matched.forces, site.bed.gravity_m_s2.norm()), matched.windows, matched.forces.size()};
 }
 
-Scenario withBelievedSoil(Scenario model, const SoilBelief& belief, const StrengthMap& strengths) {
+SceneFile withBelievedSoil(SceneFile model, const SoilBelief& belief, const StrengthMap& strengths) {
   if (model.bed.soil.friction != FrictionModel::kContact) {
     throw InvalidParameter("model: soil.friction", "paper", "contact: the paper's has no strength that digging tells");
   }

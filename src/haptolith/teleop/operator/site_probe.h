@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "haptolith/identify/soil_belief.h"
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/robot/robot.h"
 
 namespace haptolith {
@@ -19,11 +19,11 @@ struct ProbedSoil {
 /// works: the movement of `training`, by its arm, read by its sensor.
 /// @param site  its scene; the box is the training's. @throws as Scene, Robot and SoilIdentifier; Failure when
 /// `progress` gives up.
-[[nodiscard]] ProbedSoil probeSite(const Scenario& site, const RobotParameters& parameters, const Training& training,
+[[nodiscard]] ProbedSoil probeSite(const SceneFile& site, const RobotParameters& parameters, const Training& training,
                                    const LabProgress& progress = {});
 
 /// The model with soil of its own kind that is as strong as was believed, and the tool's friction in it.
 /// @throws InvalidParameter for a model with the paper's friction.
-[[nodiscard]] Scenario withBelievedSoil(Scenario model, const SoilBelief& belief, const StrengthMap& strengths);
+[[nodiscard]] SceneFile withBelievedSoil(SceneFile model, const SoilBelief& belief, const StrengthMap& strengths);
 
 }  // namespace haptolith

@@ -4,7 +4,7 @@
 #include <deque>
 #include <limits>
 
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/site_task.h"
 #include "haptolith/teleop/link/robot_report.h"
 #include "haptolith/teleop/operator/site_map.h"
 

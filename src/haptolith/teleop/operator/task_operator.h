@@ -7,7 +7,7 @@
 
 #include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/vec.h"
-#include "haptolith/scenario/site_task.h"
+#include "haptolith/scene_file/site_task.h"
 #include "haptolith/teleop/operator/site_map.h"
 
 namespace haptolith {

@@ -16,7 +16,7 @@ namespace haptolith {
 namespace {
 
 /// Where the hand of a scene would begin, over the surface.
-Pose homeOf(const Scenario& site) {
+Pose homeOf(const SceneFile& site) {
   HandParameters hand = site.hand;
   hand.surface_m = 0;
   return VirtualHand(hand, site.loop.tick_s).read().pose;
@@ -32,7 +32,7 @@ EndOptions hereWith(const Sending& sending) {
 
 }  // namespace
 
-SiteRobot::SiteRobot(const Scenario& site, std::unique_ptr<Scene> scene, const RobotParameters& parameters,
+SiteRobot::SiteRobot(const SceneFile& site, std::unique_ptr<Scene> scene, const RobotParameters& parameters,
                      const EndOptions& end)
     : scene_(std::move(scene)),
       surface_m_(meanSurfaceHeight(scene_->bed())),
@@ -49,7 +49,7 @@ void SiteRobot::tick() {
   }
 }
 
-RobotBehindLink::RobotBehindLink(const Scenario& site, std::unique_ptr<Scene> scene, const LinkParameters& up,
+RobotBehindLink::RobotBehindLink(const SceneFile& site, std::unique_ptr<Scene> scene, const LinkParameters& up,
                                  const LinkParameters& down)
     : tick_s_(site.loop.tick_s),
       robot_(site, std::move(scene), {}, hereWith(sendingOver(up, down))),

@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "haptolith/scenario/scenario.h"
+#include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/link/udp_relay.h"
 #include "haptolith/teleop/robot/robot_server.h"
 #include "haptolith/teleop/robot/site_camera.h"
@@ -21,7 +21,7 @@ class SiteRobot {
   /// @param site   whose soil and tool it has; its hand says where the robot waits.
   /// @param scene  of that site, its bed at rest.
   /// @throws InvalidParameter, Failure: as Robot and RobotServer.
-  SiteRobot(const Scenario& site, std::unique_ptr<Scene> scene, const RobotParameters& parameters,
+  SiteRobot(const SceneFile& site, std::unique_ptr<Scene> scene, const RobotParameters& parameters,
             const EndOptions& end);
   SiteRobot(const SiteRobot&) = delete;
   SiteRobot& operator=(const SiteRobot&) = delete;
@@ -43,7 +43,7 @@ class SiteRobot {
 class RobotBehindLink {
  public:
   /// @throws InvalidParameter, Failure: as SiteRobot and UdpRelay; Failure when there is no thread for it.
-  RobotBehindLink(const Scenario& site, std::unique_ptr<Scene> scene, const LinkParameters& up,
+  RobotBehindLink(const SceneFile& site, std::unique_ptr<Scene> scene, const LinkParameters& up,
                   const LinkParameters& down);
   ~RobotBehindLink();
   RobotBehindLink(const RobotBehindLink&) = delete;

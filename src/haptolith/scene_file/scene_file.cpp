@@ -1,0 +1,193 @@
+#include "haptolith/scene_file/scene_file.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "haptolith/bed/start/ready_tile.h"
+#include "haptolith/core/error.h"
+#include "haptolith/scene_file/scene_words.h"
+#include "haptolith/scene_file/toml/file_keys.h"
+#include "haptolith/soil/bodies.h"
+#include "haptolith/soil/presets.h"
+#include "haptolith/tool/tool_contact.h"
+
+namespace haptolith {
+
+namespace {
+
+std::string soilInWords(const SceneFile& scene_file) {
+  const std::string& named = scene_file.preset.empty() ? scene_file.soil_name : scene_file.preset;
+  return named.empty() ? "own soil" : named + " soil";
+}
+
+std::string toolInWords(const SceneFile& scene_file) {
+  switch (scene_file.tool.shape) {
+    case ToolShape::kBox: return "shovel";
+    case ToolShape::kCone: return "cone";
+    case ToolShape::kTube: return "tube";
+    case ToolShape::kMesh: return scene_file.mesh.name.empty() ? "mesh" : scene_file.mesh.name;
+    case ToolShape::kSphere:
+    case ToolShape::kPlate:
+    case ToolShape::kCylinder:
+    case ToolShape::kJaws: break;
+  }
+  return std::string(wordFor(kToolShapeWords, scene_file.tool.shape));
+}
+
+}  // namespace
+
+HandlingParameters handlingOf(const SceneFile& scene_file, double surface_m) {
+  HandlingParameters handling = handlingOfOwnDevice(scene_file, surface_m);
+  if (scene_file.device.kind == DeviceKind::kVirtualHand) {
+    handling.mapping = {};
+  }
+  return handling;
+}
+
+HandlingParameters handlingOfOwnDevice(const SceneFile& scene_file, double surface_m) {
+  HandlingParameters handling = scene_file.handling;
+  handling.mapping.offset_m.z() += surface_m;
+  return handling;
+}
+
+void setSoil(SceneFile& scene_file, const SoilFile& soil) {
+  scene_file.preset.clear();
+  scene_file.soil_name = soil.name;
+  scene_file.bed.soil = soil.soil;
+  if (soil.soil.friction == FrictionModel::kContact && scene_file.bed.start == BedStart::kCount) {
+    scene_file.bed.start = BedStart::kRain;  // a lattice is a crystal, with planes it slips on: not what was calibrated
+  }
+}
+
+std::string sceneInWords(const SceneFile& scene_file) {
+  std::string words = fmt::format(
+      "{}, {}, R = {:.3g} mm", soilInWords(scene_file),
+      scene_file.body.empty() ? fmt::format("{:.3g} m/s2", scene_file.bed.gravity_m_s2.norm()) : scene_file.body,
+      1e3 * scene_file.bed.soil.radius_m);
+  words += scene_file.bed.stones.any() ? ", stones" : "";
+  words += ", " + toolInWords(scene_file);
+  if (scene_file.device.kind == DeviceKind::kVirtualHand && scene_file.hand.manoeuvre != Manoeuvre::kStill) {
+    words += fmt::format(", {}", wordFor(kManoeuvreWords, scene_file.hand.manoeuvre));
+  }
+  return words;
+}
+
+void retitle(SceneFile& scene_file, std::string_view before) {
+  const std::string now = sceneInWords(scene_file);
+  if (now != before && now.size() <= mostBytes(TextSize::kLine)) {
+    scene_file.title = now;
+  }
+}
+
+void changePreset(SceneFile& scene_file, std::string_view name) {
+  const Preset& preset = findPreset(name);
+  const std::string before = sceneInWords(scene_file);
+  scene_file.bed.soil = rescaled(preset.soil, scene_file.bed.soil.radius_m);
+  scene_file.preset = preset.name;
+  scene_file.soil_name.clear();
+  retitle(scene_file, before);
+}
+
+void changeSoil(SceneFile& scene_file, std::string_view name_or_file) {
+  SoilFile file = findSoil(name_or_file);
+  file.soil = rescaled(file.soil, scene_file.bed.soil.radius_m);
+  const std::string before = sceneInWords(scene_file);
+  setSoil(scene_file, file);
+  retitle(scene_file, before);
+}
+
+void changeBody(SceneFile& scene_file, std::string_view name) {
+  const Body& body = findBody(name);
+  const std::string before = sceneInWords(scene_file);
+  const double before_m_s2 = scene_file.bed.gravity_m_s2.norm();
+  const Vec3 direction = before_m_s2 > 0 ? Vec3(scene_file.bed.gravity_m_s2 / before_m_s2) : Vec3(-Vec3::UnitZ());
+  scene_file.bed.gravity_m_s2 = body.gravity_m_s2 * direction;
+  scene_file.body = body.name;
+  retitle(scene_file, before);
+}
+
+void makeToolMesh(SceneFile& scene_file) {
+  const StonesParameters& stones = scene_file.bed.stones;
+  if (scene_file.mesh.bytes != nullptr && largestSphere(stones) > kMostMeshReach_m) {
+    throw InvalidParameter("stones", fmt::format("of spheres up to {:g} mm across", 2e3 * largestSphere(stones)),
+                           fmt::format("at most {:g} mm where the tool is a mesh", 2e3 * kMostMeshReach_m));
+  }
+  scene_file.tool.mesh = scene_file.mesh.bytes == nullptr
+                             ? nullptr
+                             : toolMesh(scene_file.mesh, contactReach(scene_file.tool, scene_file.bed));
+}
+
+/// On the inside of a shell a grain larger than its curve would touch it in two places, of which contact knows one.
+void requireRoomInJaws(const SceneFile& scene_file) {
+  const ToolParameters& tool = scene_file.tool;
+  if (tool.shape != ToolShape::kJaws || tool.jaw_bend_rad == 0) {
+    return;
+  }
+  const SoilParameters& soil = scene_file.bed.soil;
+  const double grain_m = soil.radius_m * (1 + soil.size_spread);
+  const double inside_m = tool.size_m.x() / tool.jaw_bend_rad - tool.size_m.z() / 2;
+  if (inside_m <= grain_m) {
+    const double most_rad = tool.size_m.x() / (grain_m + tool.size_m.z() / 2);
+    throw InvalidParameter(
+        "jaw_bend_rad", fmt::format("{:g}", tool.jaw_bend_rad),
+        fmt::format("less than {:.3g}, so that grains of {:g} mm fit into the curve", most_rad, 2e3 * grain_m));
+  }
+}
+
+namespace {
+
+/// Radius of particles one step coarser, in m; none where canBeCoarser() is false.
+std::optional<double> coarserRadiusFor(SceneFile scene_file) {
+  BedParameters& bed = scene_file.bed;
+  if (bed.start != BedStart::kSettled || bed.grading.fine_radius_m > 0) {
+    return std::nullopt;
+  }
+  const std::optional<double> radius_m = coarserRadius(bed.soil.radius_m);
+  if (radius_m) {
+    try {
+      bed.soil = rescaled(bed.soil, *radius_m);
+      validate(scene_file);
+    } catch (const InvalidParameter&) {  // larger than the box, the jaws
+      return std::nullopt;
+    }
+  }
+  return radius_m;
+}
+
+}  // namespace
+
+bool canBeCoarser(const SceneFile& scene_file) {
+  return coarserRadiusFor(scene_file).has_value();
+}
+
+void makeCoarser(SceneFile& scene_file) {
+  const std::optional<double> radius_m = coarserRadiusFor(scene_file);
+  if (!radius_m) {
+    throw InvalidParameter("coarser", fmt::format("than {:g} mm", inUnits(scene_file.bed.soil.radius_m, 1e-3)),
+                           fmt::format("asked for where the bed starts as settled, with particles of one size below "
+                                       "{:g} mm that leave room in the box",
+                                       inUnits(kGrainRadii_m.front(), 1e-3)));
+  }
+  scene_file.bed.soil = rescaled(scene_file.bed.soil, *radius_m);
+  makeToolMesh(scene_file);
+}
+
+void validate(const SceneFile& scene_file) {
+  validate(scene_file.bed);
+  validate(scene_file.mesh);
+  validate(scene_file.tool);
+  validate(scene_file.hand);
+  validate(scene_file.loop);
+  validate(scene_file.device);
+  validate(scene_file.handling.mapping);
+  validate(scene_file.handling.coupling, scene_file.loop.tick_s);
+  validate(scene_file.handling.safety);
+  requireRoomInJaws(scene_file);
+  if (scene_file.bed.tick_s != scene_file.loop.tick_s) {
+    throw InvalidParameter("tick_s", fmt::format("{}", scene_file.loop.tick_s),
+                           fmt::format("the bed's {}", scene_file.bed.tick_s));
+  }
+}
+
+}  // namespace haptolith

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "haptolith/bed/bed_parameters.h"
+#include "haptolith/device/device_parameters.h"
+#include "haptolith/device/hand/hand_parameters.h"
+#include "haptolith/haptics/loop/handling_parameters.h"
+#include "haptolith/haptics/loop_parameters.h"
+#include "haptolith/scene_file/soil_file.h"
+#include "haptolith/tool/tool_mesh.h"
+#include "haptolith/tool/tool_parameters.h"
+
+namespace haptolith {
+
+/// What a device in a person's hand begins with: as high above the surface as the virtual hand.
+[[nodiscard]] inline HandlingParameters handlingAboveTheBed() {
+  HandlingParameters handling;
+  handling.mapping.offset_m = HandParameters().home_m;
+  return handling;
+}
+
+/// A whole scene: soil in a box, a tool, a hand and the loop that joins them. The default is the paper's scene.
+struct SceneFile {
+  std::string title = "The paper's scene";
+  std::string preset = "P3";  ///< empty when the soil has a name of its own or was given by its numbers
+  std::string soil_name;      ///< empty when the soil is a preset or was given by its numbers
+  std::string body = "Moon";  ///< empty when gravity was given by its number
+  BedParameters bed;
+  ToolMeshSource mesh;  ///< what the tool's mesh is made of: see makeToolMesh()
+  ToolParameters tool;
+  HandParameters hand;
+  LoopParameters loop;
+  DeviceParameters device;
+  HandlingParameters handling = handlingAboveTheBed();  ///< its offset is above the surface; not for the virtual hand
+
+  [[nodiscard]] bool operator==(const SceneFile&) const = default;
+};
+
+/// Reads a TOML scene; keys that are left out keep the values of the paper's scene. docs/scenes.md lists every key.
+/// @throws InvalidParameter for an unknown key, a wrong type or a value out of range, with file, line, key, value and
+/// valid range; Failure when the file cannot be read.
+[[nodiscard]] SceneFile loadSceneFile(const std::filesystem::path& path);
+
+/// The built-in scene of that name (a file of scenes/, without .toml), otherwise the file of that name.
+/// @throws InvalidParameter listing the names when it is neither; otherwise as loadSceneFile().
+/// @param overrides  keys that replace those of the file, each "table.key=value": see TomlReader::takeOverrides().
+[[nodiscard]] SceneFile findSceneFile(std::string_view name_or_file, std::span<const std::string> overrides = {});
+
+/// The same for a text, called `name` in messages, with files beside what that would be; empty: the paper's scene.
+[[nodiscard]] SceneFile sceneFileFromText(std::string_view text, std::string_view name,
+                                          std::span<const std::string> overrides = {});
+
+/// The scene with some of its keys changed; soil that it is given by name or preset keeps the size of its grains unless
+/// soil.radius_mm says otherwise. @throws InvalidParameter as loadSceneFile().
+[[nodiscard]] SceneFile changed(const SceneFile& scene_file, std::span<const std::string> overrides);
+
+/// The built-in scenes: the files in scenes/.
+[[nodiscard]] std::vector<std::string> sceneNames();
+
+/// Which keys the scene of that name or in that file sets, to other than the usual value, without any effect in
+/// `scene`, which may be another by now: a line for each with file, key and what the key needs. Keys that could never
+/// have an effect are errors already when the scene is loaded. @throws as findSceneFile().
+[[nodiscard]] std::vector<std::string> idleKeys(std::string_view name_or_file, const SceneFile& scene,
+                                                std::span<const std::string> overrides = {});
+
+/// As loadSceneFile() for a stored text, called `name`, with files beside what that would be; a device's library is
+/// passed over.
+[[nodiscard]] SceneFile loadSceneFileText(std::string_view text, std::string_view name);
+
+/// The whole scene as TOML, for recordings: loadSceneFileText() gives the same scene to the last bit, wherever the
+/// program stands then and whatever its presets, named soils and bodies are by then. Soil and gravity are written by
+/// their numbers, their names for information; poses by their absolute path, if the hand follows them; no library.
+/// @throws InvalidParameter for a scene that no file can hold: a value out of its key's range, one of those that only
+/// the laboratory sets (a periodic box, another tick), a length that is not a number of mm, a file of poses that has
+/// gone.
+[[nodiscard]] std::string sceneFileText(const SceneFile& scene_file);
+
+/// The same as a file for people, of a scene whose grains are in a CSV file beside it (given_grains.h), whatever they
+/// were made of before.
+[[nodiscard]] std::string sceneFileTextWithGrains(SceneFile scene_file, std::string_view grains_file);
+
+/// How hand and tool are joined above soil whose surface is so high: the virtual hand's frame is the scene's, another
+/// device's workspace lies above the surface.
+[[nodiscard]] HandlingParameters handlingOf(const SceneFile& scene_file, double surface_m);
+
+/// The same for a device of the caller's, whichever the scene names.
+[[nodiscard]] HandlingParameters handlingOfOwnDevice(const SceneFile& scene_file, double surface_m);
+
+/// Puts a named soil into the scene, its macroparticles as large as its file has them.
+void setSoil(SceneFile& scene_file, const SoilFile& soil);
+
+/// Puts a preset or a soil with a name (or in a file) into the scene, its macroparticles as large as the scene's were.
+/// @throws InvalidParameter, Failure: as findPreset() and findSoil().
+void changePreset(SceneFile& scene_file, std::string_view name);
+void changeSoil(SceneFile& scene_file, std::string_view name_or_file);
+
+/// Takes the scene to another world; gravity keeps its direction. @throws InvalidParameter as findBody().
+void changeBody(SceneFile& scene_file, std::string_view name);
+
+/// Soil, world, size of grains, tool and motion: "surveyor-3 soil, Mars, R = 3.5 mm, shovel, scoop".
+[[nodiscard]] std::string sceneInWords(const SceneFile& scene_file);
+
+/// Replaces the title by sceneInWords() where that differs from `before`, sceneInWords() before a change: the title may
+/// name what has changed. changePreset(), changeSoil() and changeBody() have done it.
+void retitle(SceneFile& scene_file, std::string_view before);
+
+/// Whether makeCoarser() has coarser particles for the scene: its bed starts as settled, with particles of one size,
+/// and its box has room for larger ones.
+[[nodiscard]] bool canBeCoarser(const SceneFile& scene_file);
+
+/// Gives the scene particles that are one step coarser (coarserRadius()). @throws InvalidParameter unless
+/// canBeCoarser(); as makeToolMesh().
+void makeCoarser(SceneFile& scene_file);
+
+/// Makes the tool's mesh of what the scene says of it, for its soil; to be called whenever either has changed.
+/// @throws InvalidParameter, Failure: as toolMesh().
+void makeToolMesh(SceneFile& scene_file);
+
+/// Checks what no single key can tell: for example that the bed, the tool and the hand fit into one scene.
+/// @throws InvalidParameter.
+void validate(const SceneFile& scene_file);
+
+}  // namespace haptolith

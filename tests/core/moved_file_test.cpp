@@ -1,0 +1,53 @@
+#include "haptolith/core/files/moved_file.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/files/input_file.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class MovedFileTest : public testing::Test {
+ protected:
+  MovedFileTest() {
+    fs::create_directories(folder_ / "scenes");
+    std::ofstream(folder_ / "scenes" / "dig.csv") << "1\n";
+    reportMovedFiles([this](std::string_view line) { reported_.emplace_back(line); });
+  }
+  ~MovedFileTest() override {
+    reportMovedFiles({});
+    fs::remove_all(folder_);
+  }
+
+  const fs::path folder_ = fs::temp_directory_path() / ("haptolith-moved-file-test-" + std::to_string(getpid()));
+  const fs::path old_ = folder_ / "scenarios" / "dig.csv";
+  std::vector<std::string> reported_;
+};
+
+TEST_F(MovedFileTest, IsFoundWhereItIsNowWithOneNote) {
+  EXPECT_EQ(currentPath(old_), folder_ / "scenes" / "dig.csv");
+  EXPECT_TRUE(openInput(old_, 10).good());
+  EXPECT_THAT(reported_, ElementsAre(HasSubstr("scenarios/dig.csv is now ")));
+}
+
+TEST_F(MovedFileTest, OtherPathsStayAsTheyAre) {
+  for (const fs::path& path : {folder_ / "scenes" / "dig.csv", folder_ / "scenarios" / "none.csv", fs::path("dig")}) {
+    EXPECT_EQ(currentPath(path), path);
+  }
+  fs::create_directory(folder_ / "scenarios");
+  std::ofstream(folder_ / "scenarios" / "dig.csv") << "my own\n";
+  EXPECT_EQ(currentPath(old_), old_);
+  EXPECT_THAT(reported_, ElementsAre());
+}
+
+}  // namespace
+}  // namespace haptolith
