@@ -331,7 +331,7 @@ TEST(ContactLists, AParticleThatIsNotListedIsFoundNowhereAndADebugBuildAborts) {
         lists.removeNeighbour(3, 9);
         lists.removeNeighbour(4, 3);
       },
-      "lists are symmetric");
+      "not true: s < count");
   EXPECT_EQ(lists.count(3), 2U);
   EXPECT_EQ(lists.count(4), 0U);
   EXPECT_EQ(lists.neighbour(3, 0), 7);

@@ -80,7 +80,7 @@ void ContactLists::remove(std::size_t i, std::uint32_t s) noexcept {
   HAPTO_ASSERT(i < particles());
   HAPTO_ASSERT(s < count_[i]);
   const std::size_t group = i / kGroup;
-  const std::uint16_t last = --count_[i];
+  const auto last = static_cast<std::uint16_t>(count_[i] - 1);
   other_[slot(i, s)] = other_[slot(i, last)];
   other_[slot(i, last)] = ghost_;
   near_[group].pruning_pass = 0;
@@ -88,6 +88,7 @@ void ContactLists::remove(std::size_t i, std::uint32_t s) noexcept {
     setSlip(i, s, slip(i, last));
     setSlip(i, last, {});
   }
+  count_[i] = last;
   if (rows_[group] == last + 1) {
     const auto first = count_.begin() + static_cast<std::ptrdiff_t>(group * kGroup);
     const auto in_group = static_cast<std::ptrdiff_t>(std::min(kGroup, count_.size() - group * kGroup));
