@@ -47,13 +47,13 @@ TEST(TrainingFile, SaysWhatIsWrong) {
   const std::string good = trainingText(MadeUpSoil(0.1).training(3));
   EXPECT_THAT(refusal(""), HasSubstr("identify train"));
   EXPECT_THAT(refusal("[1, 2"), HasSubstr("identify train"));
-  EXPECT_THAT(refusal("[]"), HasSubstr("haptolith_training"));
+  EXPECT_THAT(refusal("[]"), HasSubstr("identify train"));
   EXPECT_THAT(refusal(std::string(1'000'000, '[')), HasSubstr("identify train"));
-  EXPECT_THAT(refusal(std::string(100'000, '[') + std::string(100'000, ']')), HasSubstr("haptolith_training"));
+  EXPECT_THAT(refusal(std::string(100'000, '[') + std::string(100'000, ']')), HasSubstr("identify train"));
   EXPECT_THAT(refusal(replaced(good, "\"haptolith_training\": 1", "\"haptolith_training\": 2")), HasSubstr("2"));
   EXPECT_THAT(refusal(replaced(good, "\"gravity_m_s2\": 1.625", "\"gravity_m_s2\": \"much\"")),
               HasSubstr("gravity_m_s2"));
-  EXPECT_THAT(refusal(replaced(good, "\"radius_m\":", "\"radius_m\":-")), HasSubstr("mine.json: runs[0]: radius_m"));
+  EXPECT_THAT(refusal(replaced(good, "\"radius_m\":", "\"radius_m\":-")), HasSubstr("mine.json: runs[0].radius_m"));
   EXPECT_THAT(refusal(replaced(good, "\"forces_n\":[[", "\"forces_n\":[[0,0,0],[")), HasSubstr("a list of 28"));
   EXPECT_THAT(refusal(replaced(good, "\"poses\": [[", "\"poses\": [[0,0,0,0,2,0,0,0],[")), HasSubstr("qw,qx,qy,qz"));
   EXPECT_THAT(refusal(replaced(good, "\"contact_friction\"", "\"friction\"")), HasSubstr("missing"));
@@ -63,10 +63,10 @@ TEST(TrainingFile, RefusesTheSameSoilTwice) {
   Training made = MadeUpSoil(0.1).training(3);
   made.runs.push_back(made.runs[1]);
   EXPECT_THAT(refusal(trainingText(made)),
-              testing::AllOf(HasSubstr("mine.json: runs[3]: number"), HasSubstr("2, as of mine.json: runs[1]")));
+              testing::AllOf(HasSubstr("mine.json: runs[3].number"), HasSubstr("2, as of mine.json: runs[1]")));
   made.runs.back().number = 999;
   EXPECT_THAT(refusal(trainingText(made)),
-              testing::AllOf(HasSubstr("mine.json: runs[3]: forces_n"), HasSubstr("those of run 2 again")));
+              testing::AllOf(HasSubstr("mine.json: runs[3].forces_n"), HasSubstr("those of run 2 again")));
 }
 
 }  // namespace

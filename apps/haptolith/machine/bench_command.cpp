@@ -99,9 +99,7 @@ void settle(Scene& scene) {
   const auto run = [&](double duration_s) {
     double t = 0;
     do {
-      if (stopAsked()) {
-        throw Failure("interrupted");
-      }
+      throwIfStopped();
       if (const StepStatus status = bed.step(dt); status != StepStatus::kOk) {
         throw Failure(fmt::format("the bed did not settle: {}", text(status)));
       }
@@ -145,9 +143,7 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
     row.list_rebuild_us.add(scene.bed().takeListRebuildUs());
     row.awake += static_cast<double>(scene.bed().awake()) / static_cast<double>(ticks);
     if (tick % 100 == 0) {
-      if (stopAsked()) {
-        throw Failure("interrupted");
-      }
+      throwIfStopped();
       status.tell([&] {
         return fmt::format("{}: {:.0f} %", what, 100 * static_cast<double>(tick) / static_cast<double>(ticks));
       });

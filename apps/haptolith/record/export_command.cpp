@@ -76,9 +76,7 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   std::string text = csvHeader(tickColumns());
   for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
     status.tell([&] { return fmt::format("tick {} of {}", first, recording.ticks()); });
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
+    throwIfStopped();
     for (const TickRecord& tick : recording.readTicks(first, kBlock)) {
       appendCsv(text, tick);
     }

@@ -120,9 +120,7 @@ void exportRecorded(const LammpsExportOptions& options) {
       is_there = was.time_s >= options.from_s;
       return !stopAsked() && !is_there;
     });
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
+    throwIfStopped();
     if (result.difference || !is_there) {
       throw Failure(fmt::format("the bed at {:g} s cannot be computed again: {}", options.from_s,
                                 result.difference ? "the replay differs from the recording"

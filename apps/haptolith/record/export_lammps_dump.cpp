@@ -76,9 +76,7 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
   std::size_t count = 0;
   std::map<double, std::size_t> pictures_at;
   forEachLammpsPicture(path, [&](const LammpsPicture& picture) {
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
+    throwIfStopped();
     const std::string name = fmt::format("particles-{:06}.vtu", count++);
     folder.write(name, fileOf(picture).text());
     pictures.add(timeOf(picture), name);

@@ -110,9 +110,7 @@ void replay(const ReplayOptions& options) {
   if (options.verify && result.ticks == 0) {
     throw Failure("nothing could be compared");
   }
-  if (stopAsked()) {
-    throw Failure("interrupted");
-  }
+  throwIfStopped();
 }
 
 }  // namespace

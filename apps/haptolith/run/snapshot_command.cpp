@@ -89,12 +89,6 @@ SceneFile sceneFileFor(const SnapshotOptions& options) {
   return scene_file;
 }
 
-void throwWhenStopped() {
-  if (stopAsked()) {
-    throw Failure("interrupted");
-  }
-}
-
 /// A scene in which time stands still between pictures, and a browser that shows it. The same scene at the same time
 /// looks the same every time.
 class Studio {
@@ -172,7 +166,7 @@ class Studio {
     }
     // Of a large bed a snapshot takes several ticks, so only the second of this moment is of this moment alone.
     for (int complete = 0; complete < 2;) {
-      throwWhenStopped();
+      throwIfStopped();
       if (session_.done()) {
         throw Failure(fmt::format("stopped at {:.3f} s: {}", session_.loop().time(), text(session_.join())));
       }
@@ -206,7 +200,7 @@ class Studio {
       if (std::chrono::steady_clock::now() > until) {
         throw Failure("the page has drawn nothing for five minutes");
       }
-      throwWhenStopped();
+      throwIfStopped();
       std::this_thread::sleep_for(20ms);
     } while (!browser_.evaluate("window.haptolith?.ready === true"));
     client_ = browser_.evaluate(kConnectedClient);

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "haptolith/core/statistics.h"
+
 namespace haptolith {
 
 namespace {
@@ -50,14 +52,7 @@ HeldForce heldForce(std::span<const MeasuredSample> samples, const char* key, co
       means_n[batch] += sample.force_n.z() / static_cast<double>(end - begin);
     }
   }
-  double mean_n = 0, squares = 0;
-  for (const double batch_n : means_n) {
-    mean_n += batch_n / kBatches;
-  }
-  for (const double batch_n : means_n) {
-    squares += std::pow(batch_n - mean_n, 2);
-  }
-  return {{mean_n, std::sqrt(squares / (kBatches - 1) / kBatches)}, (time_s.lowest + time_s.highest) / 2};
+  return {{mean(means_n), standardDeviation(means_n) / std::sqrt(kBatches)}, (time_s.lowest + time_s.highest) / 2};
 }
 
 /// That a number of Student's t with this freedom exceeds one time in twenty.

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <mutex>
-#include <numeric>
 #include <string_view>
 #include <vector>
+
+#include "haptolith/core/statistics.h"
 
 namespace haptolith {
 
@@ -28,8 +29,7 @@ LabConditions SharedProgress::conditionsOf(std::size_t index) {
       const std::scoped_lock lock(state_->mutex);
       std::vector<double>& shares = state_->shares;
       shares[index] = std::max(shares[index], share);  // pieces have phases; the whole never goes back
-      const double all = std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
-      return conditions_.progress(what, all);
+      return conditions_.progress(what, mean(shares));
     };
   }
   return piece;

@@ -15,92 +15,12 @@
 
 #include "haptolith/core/pluralise.h"
 #include "haptolith/core/process/stop_asked.h"
-#include "haptolith/mesh/triangle_tree.h"
+#include "haptolith/mesh/mesh_edges.h"
+#include "haptolith/mesh/surface_orientation.h"
 
 namespace haptolith {
 
 namespace {
-
-using Triangle = std::array<std::int32_t, 3>;
-
-std::size_t indexOf(std::int32_t index) {
-  return static_cast<std::size_t>(index);
-}
-
-void throwIfMendingStopped() {
-  if (stopAsked()) {
-    throw Failure("interrupted");
-  }
-}
-
-/// Sets that grow together.
-class Unions {
- public:
-  explicit Unions(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::int32_t find(std::int32_t i) {
-    while (parent_[indexOf(i)] != i) {
-      parent_[indexOf(i)] = parent_[indexOf(parent_[indexOf(i)])];
-      i = parent_[indexOf(i)];
-    }
-    return i;
-  }
-  void unite(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[indexOf(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::int32_t> parent_;
-};
-
-/// A triangle's edge: its ends in order, and whether the triangle passes it from the lower to the higher.
-struct Edge {
-  std::int32_t low, high;
-  std::int32_t triangle;
-  bool forward;
-
-  [[nodiscard]] auto ends() const { return std::pair(low, high); }
-};
-
-/// All edges, those between the same points together.
-std::vector<Edge> edgesOf(const TriangleMesh& mesh) {
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::int32_t from = mesh.triangles[i][corner];
-      const std::int32_t to = mesh.triangles[i][(corner + 1) % 3];
-      edges.push_back({std::min(from, to), std::max(from, to), static_cast<std::int32_t>(i), from < to});
-    }
-  }
-  std::ranges::sort(edges, [](const Edge& a, const Edge& b) {
-    return std::tuple(a.low, a.high, a.triangle) < std::tuple(b.low, b.high, b.triangle);
-  });
-  return edges;
-}
-
-/// Calls work(span of the edges between two points) for each such pair.
-template <class Work>
-void forEachEdge(std::span<const Edge> edges, const Work& work) {
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].ends() == edges[i].ends()) {
-      ++end;
-    }
-    work(edges.subspan(i, end - i));
-    i = end;
-  }
-}
-
-/// How much more often an edge is passed forward than backward: 0 where the surface is closed.
-int imbalance(std::span<const Edge> same) {
-  int sum = 0;
-  for (const Edge& edge : same) {
-    sum += edge.forward ? 1 : -1;
-  }
-  return sum;
-}
 
 double areaOf(const TriangleMesh& mesh, const Triangle& triangle) {
   const auto [a, b, c] = cornersOf(mesh, triangle);
@@ -260,7 +180,7 @@ Copies dropCopies(TriangleMesh& mesh) {
 
 /// Drops parts that hang together with nothing and are tiny. @return how many.
 std::size_t dropLooseParts(TriangleMesh& mesh) {
-  Unions parts(mesh.points_m.size());
+  UnionFind parts(mesh.points_m.size());
   for (const auto& [a, b, c] : mesh.triangles) {
     parts.unite(a, b);
     parts.unite(b, c);
@@ -297,74 +217,7 @@ std::size_t dropLooseParts(TriangleMesh& mesh) {
   return gone;
 }
 
-/// Parts of a surface within which each edge has one or two triangles, all turned to look the same way.
-struct Patches {
-  std::vector<std::int32_t> of;  ///< of each triangle
-  std::vector<bool> as_in_file;  ///< of each patch: none of its triangles was turned
-  std::size_t turned = 0;        ///< triangles
-  bool one_sided = false;        ///< there is one that has no two sides, such as a Moebius strip
-};
-
-Patches turnNeighbours(TriangleMesh& mesh) {
-  const std::size_t n = mesh.triangles.size();
-  struct Neighbour {
-    std::int32_t triangle = -1;
-    bool opposed = false;  ///< looks the other way
-  };
-  std::vector<std::array<Neighbour, 3>> neighbours(n);
-  std::vector<std::uint8_t> count(n);
-  forEachEdge(edgesOf(mesh), [&](std::span<const Edge> same) {
-    if (same.size() == 2 && same[0].triangle != same[1].triangle) {
-      const bool opposed = same[0].forward == same[1].forward;
-      for (std::size_t side = 0; side < 2; ++side) {
-        const std::size_t own = indexOf(same[side].triangle);
-        neighbours[own][count[own]++] = {same[1 - side].triangle, opposed};
-      }
-    }
-  });
-  Patches patches{.of = std::vector<std::int32_t>(n, -1), .as_in_file = {}};
-  std::vector<bool> turned(n);
-  std::vector<std::int32_t> members;
-  for (std::size_t seed = 0; seed < n; ++seed) {
-    if (patches.of[seed] >= 0) {
-      continue;
-    }
-    const auto patch = static_cast<std::int32_t>(patches.as_in_file.size());
-    members.assign(1, static_cast<std::int32_t>(seed));
-    patches.of[seed] = patch;
-    std::size_t opposed = 0;
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      const std::size_t own = indexOf(members[i]);
-      for (std::size_t k = 0; k < count[own]; ++k) {
-        const std::size_t other = indexOf(neighbours[own][k].triangle);
-        const bool turn = turned[own] != neighbours[own][k].opposed;
-        if (patches.of[other] < 0) {
-          patches.of[other] = patch;
-          turned[other] = turn;
-          opposed += turn ? 1 : 0;
-          members.push_back(static_cast<std::int32_t>(other));
-        } else if (turned[other] != turn) {
-          patches.one_sided = true;
-        }
-      }
-    }
-    const bool by_seed = 2 * opposed <= members.size();  // as most look
-    for (const std::int32_t member : members) {
-      turned[indexOf(member)] = turned[indexOf(member)] == by_seed;
-    }
-    const std::size_t changed = by_seed ? opposed : members.size() - opposed;
-    patches.turned += changed;
-    patches.as_in_file.push_back(changed == 0);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (turned[i]) {
-      std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
-    }
-  }
-  return patches;
-}
-
-/// What closeHoles() found.
+/// What HoleCloser found.
 struct Holes {
   std::size_t closed = 0;
   std::size_t open = 0;
@@ -372,41 +225,95 @@ struct Holes {
 };
 
 /// Closes openings by fans; with `only_look` none.
-Holes closeHoles(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double largest_edge_m, bool only_look) {
-  // Edges as an opening's rim passes them: against its triangle.
+class HoleCloser {
+ public:
+  HoleCloser(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double largest_edge_m, bool only_look)
+      : mesh_(mesh), patch_of_(patch_of), largest_edge_m_(largest_edge_m), only_look_(only_look) {
+    forEachEdge(edgesOf(mesh), [&](std::span<const Edge> same) {
+      const int more = imbalance(same);
+      int missing = std::abs(more);
+      for (const Edge& edge : same) {
+        if (missing > 0 && edge.forward == (more > 0)) {
+          rim_.push_back(edge.forward ? RimEdge{edge.high, edge.low, edge.triangle}
+                                      : RimEdge{edge.low, edge.high, edge.triangle});
+          --missing;
+        }
+      }
+    });
+    std::ranges::sort(rim_, [](const RimEdge& a, const RimEdge& b) {
+      return std::tuple(a.from, a.to, a.triangle) < std::tuple(b.from, b.to, b.triangle);
+    });
+    used_.resize(rim_.size());
+    cursor_.resize(rim_.size());
+    std::iota(cursor_.begin(), cursor_.end(), 0);
+  }
+
+  Holes close() {
+    for (std::size_t start = 0; start < rim_.size(); ++start) {
+      if (!used_[start]) {
+        follow(start);
+      }
+    }
+    return holes_;
+  }
+
+ private:
+  /// An edge as an opening's rim passes it: against its triangle.
   struct RimEdge {
     std::int32_t from, to, triangle;
   };
-  std::vector<RimEdge> rim;
-  forEachEdge(edgesOf(mesh), [&](std::span<const Edge> same) {
-    const int more = imbalance(same);
-    int missing = std::abs(more);
-    for (const Edge& edge : same) {
-      if (missing > 0 && edge.forward == (more > 0)) {
-        rim.push_back(edge.forward ? RimEdge{edge.high, edge.low, edge.triangle}
-                                   : RimEdge{edge.low, edge.high, edge.triangle});
-        --missing;
+
+  /// Follows the rim from an edge, and closes each loop when the path returns to one of its points.
+  void follow(std::size_t start) {
+    std::vector<std::size_t> path{start};
+    std::unordered_map<std::int32_t, std::size_t> place{{rim_[start].from, 0}};  // on the path, of each edge's start
+    used_[start] = true;
+    while (!path.empty()) {
+      const std::int32_t end = rim_[path.back()].to;
+      if (const auto before = place.find(end); before != place.end()) {
+        const std::size_t from = before->second;
+        closeLoop(std::span(path).subspan(from));
+        for (std::size_t i = from; i < path.size(); ++i) {
+          place.erase(rim_[path[i]].from);
+        }
+        path.resize(from);
+        continue;
       }
+      const std::size_t next = takeEdgeFrom(end);
+      if (next == rim_.size()) {  // edges of more than two triangles can end a rim
+        ++holes_.open;
+        return;
+      }
+      place[end] = path.size();
+      path.push_back(next);
     }
-  });
-  std::ranges::sort(rim, [](const RimEdge& a, const RimEdge& b) {
-    return std::tuple(a.from, a.to, a.triangle) < std::tuple(b.from, b.to, b.triangle);
-  });
-  const auto next_from = [&](std::int32_t point) {
-    return static_cast<std::size_t>(std::ranges::lower_bound(rim, point, {}, &RimEdge::from) - rim.begin());
-  };
-  std::vector<bool> used(rim.size());
-  std::vector<std::size_t> cursor(rim.size());  // of the first edge of each point: the next that may be free
-  std::iota(cursor.begin(), cursor.end(), 0);
-  Holes holes;
-  std::vector<std::size_t> path;
-  std::unordered_map<std::int32_t, std::size_t> place;  // on the path, of each edge's start
-  const auto close = [&](std::span<const std::size_t> loop) {
+  }
+
+  /// The next edge from a point that was not used yet; the number of edges when there is none.
+  std::size_t takeEdgeFrom(std::int32_t point) {
+    const auto first =
+        static_cast<std::size_t>(std::ranges::lower_bound(rim_, point, {}, &RimEdge::from) - rim_.begin());
+    if (first == rim_.size()) {
+      return first;
+    }
+    std::size_t next = std::max(first, cursor_[first]);
+    while (next < rim_.size() && rim_[next].from == point && used_[next]) {
+      ++next;
+    }
+    cursor_[first] = next;
+    if (next == rim_.size() || rim_[next].from != point) {
+      return rim_.size();
+    }
+    used_[next] = true;
+    return next;
+  }
+
+  void closeLoop(std::span<const std::size_t> loop) {
     double around_m = 0;
     Vec3 middle = Vec3::Zero();
     for (const std::size_t i : loop) {
-      const Vec3& from = mesh.points_m[indexOf(rim[i].from)];
-      const Vec3& to = mesh.points_m[indexOf(rim[i].to)];
+      const Vec3& from = pointAt(rim_[i].from);
+      const Vec3& to = pointAt(rim_[i].to);
       around_m += (to - from).norm();
       middle += (to - from).norm() * (from + to) / 2;
     }
@@ -416,223 +323,40 @@ Holes closeHoles(TriangleMesh& mesh, std::vector<std::int32_t>& patch_of, double
     middle /= around_m;
     double area_m2 = 0;
     for (const std::size_t i : loop) {
-      area_m2 +=
-          (mesh.points_m[indexOf(rim[i].from)] - middle).cross(mesh.points_m[indexOf(rim[i].to)] - middle).norm() / 2;
+      area_m2 += (pointAt(rim_[i].from) - middle).cross(pointAt(rim_[i].to) - middle).norm() / 2;
     }
-    const bool slit = area_m2 <= kStitch * largest_edge_m * around_m;
-    if (only_look || (around_m > kLargestHole * largest_edge_m && !slit)) {
-      ++holes.open;
-      holes.largest_m = std::max(holes.largest_m, around_m);
+    const bool slit = area_m2 <= kStitch * largest_edge_m_ * around_m;
+    if (only_look_ || (around_m > kLargestHole * largest_edge_m_ && !slit)) {
+      ++holes_.open;
+      holes_.largest_m = std::max(holes_.largest_m, around_m);
       return;
     }
-    ++holes.closed;
+    ++holes_.closed;
     if (loop.size() == 3) {
-      mesh.triangles.push_back({rim[loop[0]].from, rim[loop[1]].from, rim[loop[2]].from});
-      patch_of.push_back(patch_of[indexOf(rim[loop[0]].triangle)]);
+      add({rim_[loop[0]].from, rim_[loop[1]].from, rim_[loop[2]].from}, rim_[loop[0]]);
       return;
     }
-    mesh.points_m.push_back(middle);
+    mesh_.points_m.push_back(middle);
     for (const std::size_t i : loop) {
-      mesh.triangles.push_back({rim[i].from, rim[i].to, static_cast<std::int32_t>(mesh.points_m.size() - 1)});
-      patch_of.push_back(patch_of[indexOf(rim[i].triangle)]);
-    }
-  };
-  for (std::size_t start = 0; start < rim.size(); ++start) {
-    if (used[start]) {
-      continue;
-    }
-    path.assign(1, start);
-    place.clear();
-    place[rim[start].from] = 0;
-    used[start] = true;
-    while (!path.empty()) {
-      const std::int32_t end = rim[path.back()].to;
-      if (const auto before = place.find(end); before != place.end()) {
-        const std::size_t from = before->second;
-        close(std::span(path).subspan(from));
-        for (std::size_t i = from; i < path.size(); ++i) {
-          place.erase(rim[path[i]].from);
-        }
-        path.resize(from);
-        continue;
-      }
-      const std::size_t first = next_from(end);
-      std::size_t next = first < rim.size() ? std::max(first, cursor[first]) : first;
-      while (next < rim.size() && rim[next].from == end && used[next]) {
-        ++next;
-      }
-      if (first < rim.size()) {
-        cursor[first] = next;
-      }
-      if (next >= rim.size() || rim[next].from != end) {  // edges of more than two triangles can end a rim
-        ++holes.open;
-        break;
-      }
-      used[next] = true;
-      place[end] = path.size();
-      path.push_back(next);
+      add({rim_[i].from, rim_[i].to, static_cast<std::int32_t>(mesh_.points_m.size() - 1)}, rim_[i]);
     }
   }
-  return holes;
-}
 
-/// Closed parts: patches, or several that meet in edges of more than two triangles and are closed together.
-struct Shells {
-  std::vector<std::int32_t> of;  ///< of each triangle
-  std::vector<bool> as_in_file;
-  bool closed = true;
+  [[nodiscard]] const Vec3& pointAt(std::int32_t point) const { return mesh_.points_m[indexOf(point)]; }
+  void add(const Triangle& triangle, const RimEdge& beside) {
+    mesh_.triangles.push_back(triangle);
+    patch_of_.push_back(patch_of_[indexOf(beside.triangle)]);
+  }
+
+  TriangleMesh& mesh_;
+  std::vector<std::int32_t>& patch_of_;
+  double largest_edge_m_;
+  bool only_look_;
+  std::vector<RimEdge> rim_;
+  std::vector<bool> used_;
+  std::vector<std::size_t> cursor_;  // of the first edge of each point: the next that may be free
+  Holes holes_;
 };
-
-Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
-  const std::size_t n = patches.as_in_file.size();
-  std::vector<Edge> edges = edgesOf(mesh);
-  // A patch that is closed by itself passes each of its edges as often forward as backward.
-  std::vector<bool> closed_alone(n, true);
-  Shells shells;
-  std::vector<std::pair<std::int32_t, int>> sums;
-  const auto sums_of = [&](std::span<const Edge> same) -> std::span<const std::pair<std::int32_t, int>> {
-    sums.clear();
-    for (const Edge& edge : same) {
-      sums.emplace_back(patches.of[indexOf(edge.triangle)], edge.forward ? 1 : -1);
-    }
-    std::ranges::sort(sums);
-    std::size_t kept = 0;
-    for (std::size_t i = 1; i < sums.size(); ++i) {
-      if (sums[i].first == sums[kept].first) {
-        sums[kept].second += sums[i].second;
-      } else {
-        sums[++kept] = sums[i];
-      }
-    }
-    return std::span(sums).first(kept + 1);
-  };
-  forEachEdge(edges, [&](std::span<const Edge> same) {
-    for (const auto& [patch, sum] : sums_of(same)) {
-      closed_alone[indexOf(patch)] = closed_alone[indexOf(patch)] && sum == 0;
-    }
-    shells.closed = shells.closed && imbalance(same) == 0;
-  });
-  Unions together(n);
-  forEachEdge(edges, [&](std::span<const Edge> same) {
-    std::int32_t last = -1;
-    for (const Edge& edge : same) {
-      const std::int32_t patch = patches.of[indexOf(edge.triangle)];
-      if (!closed_alone[indexOf(patch)]) {
-        if (last >= 0) {
-          together.unite(last, patch);
-        }
-        last = patch;
-      }
-    }
-  });
-  std::vector<std::int32_t> number(n, -1);
-  for (std::size_t patch = 0; patch < n; ++patch) {
-    const std::size_t root = indexOf(together.find(static_cast<std::int32_t>(patch)));
-    if (number[root] < 0) {
-      number[root] = static_cast<std::int32_t>(shells.as_in_file.size());
-      shells.as_in_file.push_back(true);
-    }
-    number[patch] = number[root];
-    shells.as_in_file[indexOf(number[patch])] = shells.as_in_file[indexOf(number[patch])] && patches.as_in_file[patch];
-  }
-  for (const std::int32_t patch : patches.of) {
-    shells.of.push_back(number[indexOf(patch)]);
-  }
-  return shells;
-}
-
-/// What turnOutwards() did.
-struct Turned {
-  std::size_t parts = 0;
-  std::size_t cavities = 0;
-};
-
-/// Turns closed parts to look outwards, and cavities inwards.
-Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
-  const std::size_t n = shells.as_in_file.size();
-  struct Shell {
-    double volume_m3 = 0;  ///< negative when it looks inwards
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-    Vec3 high = -low;
-    std::vector<std::int32_t> some;  ///< triangles to tell where it lies
-    std::int32_t around = -1;        ///< the smallest shell that holds it
-    int side = 0;                    ///< +1 looks outwards in the end, -1 is a cavity; 0: not yet known
-  };
-  std::vector<Shell> all(n);
-  std::vector<std::size_t> size(n);
-  for (const std::int32_t shell : shells.of) {
-    ++size[indexOf(shell)];
-  }
-  std::vector<std::size_t> passed(n);
-  const Vec3 origin = mesh.points_m[indexOf(mesh.triangles[0][0])];
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    Shell& shell = all[indexOf(shells.of[i])];
-    const auto [a, b, c] = cornersOf(mesh, mesh.triangles[i]);
-    shell.volume_m3 += (a - origin).dot((b - origin).cross(c - origin)) / 6;
-    for (const Vec3& corner : {a, b, c}) {
-      shell.low = shell.low.cwiseMin(corner);
-      shell.high = shell.high.cwiseMax(corner);
-    }
-    constexpr std::size_t kSome = 5;
-    if (passed[indexOf(shells.of[i])]++ % std::max<std::size_t>(1, size[indexOf(shells.of[i])] / kSome) == 0) {
-      shell.some.push_back(static_cast<std::int32_t>(i));
-    }
-  }
-  if (n > 1) {
-    const TriangleTree tree(mesh, 2);
-    std::vector<TriangleTree::Crossing> crossings;
-    std::vector<int> windings(n);
-    for (std::size_t own = 0; own < n; ++own) {
-      std::vector<std::size_t> holders(n);
-      for (const std::int32_t triangle : all[own].some) {
-        const auto [a, b, c] = cornersOf(mesh, mesh.triangles[indexOf(triangle)]);
-        tree.crossings((a + b + c) / 3, 0, true, crossings);
-        std::ranges::fill(windings, 0);
-        for (const TriangleTree::Crossing& crossing : crossings) {
-          windings[indexOf(shells.of[indexOf(crossing.triangle)])] -= crossing.step;
-        }
-        for (std::size_t other = 0; other < n; ++other) {
-          holders[other] += windings[other] != 0 ? 1 : 0;
-        }
-      }
-      for (std::size_t other = 0; other < n; ++other) {
-        const bool holds = other != own && holders[other] == all[own].some.size() &&
-                           (all[other].low.array() <= all[own].low.array()).all() &&
-                           (all[other].high.array() >= all[own].high.array()).all() &&
-                           std::abs(all[other].volume_m3) > std::abs(all[own].volume_m3);
-        std::int32_t& around = all[own].around;
-        if (holds && (around < 0 || std::abs(all[other].volume_m3) < std::abs(all[indexOf(around)].volume_m3))) {
-          around = static_cast<std::int32_t>(other);
-        }
-      }
-      throwIfMendingStopped();
-    }
-  }
-  std::vector<std::size_t> by_volume(n);
-  std::iota(by_volume.begin(), by_volume.end(), 0);
-  std::ranges::stable_sort(
-      by_volume, [&](std::size_t a, std::size_t b) { return std::abs(all[a].volume_m3) > std::abs(all[b].volume_m3); });
-  Turned turned;
-  std::vector<bool> turn(n);
-  for (const std::size_t own : by_volume) {  // those around come first
-    Shell& shell = all[own];
-    shell.side = 1;
-    if (shell.around >= 0 && shells.as_in_file[own] && shells.as_in_file[indexOf(shell.around)]) {
-      const Shell& around = all[indexOf(shell.around)];
-      const bool opposed = (shell.volume_m3 < 0) != (around.volume_m3 < 0);
-      shell.side = opposed ? -around.side : around.side;
-    }
-    turn[own] = (shell.volume_m3 < 0) != (shell.side < 0);
-    turned.parts += turn[own] ? 1 : 0;
-    turned.cavities += shell.side < 0 ? 1 : 0;
-  }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (turn[indexOf(shells.of[i])]) {
-      std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
-    }
-  }
-  return turned;
-}
 
 void dropUnusedPoints(TriangleMesh& mesh) {
   std::vector<std::int32_t> now(mesh.points_m.size(), -1);
@@ -674,7 +398,7 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
 
   std::size_t gone = mergeEqualPoints(mesh);
   const double size_m = cornersOf(mesh).largestEdge();
-  throwIfMendingStopped();
+  throwIfStopped();
   if (size_m > 0) {
     const std::size_t stitched = stitch(mesh, kStitch * size_m);
     tell(stitched, fmt::format("Joined {} on open edges to others within {:.2g} um.", pluralise(stitched, "point"),
@@ -694,16 +418,16 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
   if (mesh.triangles.empty()) {
     throw InvalidParameter("mesh", "nothing with an area", "triangles that make up a surface");
   }
-  throwIfMendingStopped();
+  throwIfStopped();
 
   Patches patches = turnNeighbours(mesh);
   tell(patches.turned, fmt::format("Turned {} that looked the other way than the surface around.",
                                    pluralise(patches.turned, "triangle")));
-  throwIfMendingStopped();
-  const Holes holes = closeHoles(mesh, patches.of, size_m, may_be_sheet);
+  throwIfStopped();
+  const Holes holes = HoleCloser(mesh, patches.of, size_m, may_be_sheet).close();
   tell(holes.closed, fmt::format("Closed {} up to {:.3g} mm around.", pluralise(holes.closed, "opening"),
                                  1e3 * kLargestHole * size_m));
-  throwIfMendingStopped();
+  throwIfStopped();
   const Shells shells = shellsOf(mesh, patches);
   if (shells.closed && !patches.one_sided) {
     if (shells.as_in_file.size() > kMostShells) {

@@ -101,9 +101,7 @@ SimulatedFits simulatedFits(const Model& model, const ParameterPoint& point) {
   const double tolerance = std::min(kTolerance, kToleranceOfPeak / std::sqrt(answers));
   SimulatedFits fits;
   for (int i = 0; i < model.options().simulations; ++i) {
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
+    throwIfStopped();
     const Model simulated =
         model.withAnswers(simulatedAnswers(model.levels(), function, random, point[kOverdispersion]));
     std::vector<ParameterPoint> starts = likelihoodPeaks(simulated, kDeviancePeaks);

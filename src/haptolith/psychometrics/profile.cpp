@@ -96,9 +96,7 @@ double Profile::end(const Quantity& quantity, double best, double bound) const {
   double inside = 0;
   double outside = 1;
   for (int i = 1; i <= kScanned; ++i) {
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
+    throwIfStopped();
     const double share = double(i * i) / (kScanned * kScanned);  // closer where the range of many answers ends
     if (is_near(share)) {
       inside = share;

@@ -1,20 +1,15 @@
 #include "haptolith/recording/recording_reader.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <string_view>
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/recording/recorded_table.h"
 #include "haptolith/recording/recording_types.h"
 
 namespace haptolith {
@@ -22,212 +17,6 @@ namespace haptolith {
 using namespace hdf5;
 
 namespace {
-
-constexpr std::size_t kLargestChunk = std::size_t{64} << 20;  // bytes; the writer's are below one MiB
-
-/// The bytes of a file, for what has to be known before HDF5 touches it. HDF5's old formats have no checksums, and a
-/// damaged file can crash its reader; ours are of the newest format, in which every piece of structure has one.
-class RawFile {
- public:
-  explicit RawFile(const std::filesystem::path& path) : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-    struct stat status {};
-    if (file_.number() < 0 || fstat(file_.number(), &status) != 0) {
-      throw Failure(std::strerror(errno));
-    }
-    if (!S_ISREG(status.st_mode)) {
-      throw Failure("it is not a regular file");
-    }
-    size_ = static_cast<std::uint64_t>(status.st_size);
-  }
-
-  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
-
-  /// Whether its writer has closed it.
-  [[nodiscard]] bool finished() const noexcept { return finished_; }
-
-  /// The superblock, version 3: signature, version, sizes of addresses, flags, four addresses, checksum.
-  void requireOurFormat() {
-    constexpr std::size_t kVersionAt = 8, kAddressBytesAt = 9, kFlagsAt = 11, kBaseAt = 12, kExtensionAt = 20,
-                          kRootAt = 36;
-    std::array<char, 48> block{};
-    if (pread(file_.number(), block.data(), block.size(), 0) != static_cast<ssize_t>(block.size()) ||
-        std::memcmp(block.data(), "\211HDF\r\n\032\n", 8) != 0) {
-      throw Failure("it is not an HDF5 file");
-    }
-    const auto address = [&](std::size_t at) {
-      std::uint64_t value = 0;
-      std::memcpy(&value, &block[at], sizeof(value));
-      return value;
-    };
-    if (block[kVersionAt] != 3 || block[kAddressBytesAt] != 8 || address(kBaseAt) != 0 ||
-        address(kExtensionAt) != HADDR_UNDEF) {
-      throw Failure("it is an HDF5 file, but not in the form in which haptolith writes recordings");
-    }
-    finished_ = block[kFlagsAt] == 0;  // else it is still open for writing, or was when the writer was killed
-    requireObject(address(kRootAt), "/");
-  }
-
-  /// @throws Failure when there is no object of the newest format at this address.
-  void requireObject(std::uint64_t address, const std::string& name) const {
-    constexpr char kVersion = 2;
-    std::array<char, 5> begin{};
-    if (address >= size_ || pread(file_.number(), begin.data(), begin.size(), static_cast<off_t>(address)) != 5 ||
-        std::memcmp(begin.data(), "OHDR", 4) != 0 || begin[4] != kVersion) {
-      throw Failure(fmt::format("{} is damaged", name));
-    }
-  }
-
- private:
-  Descriptor file_;
-  std::uint64_t size_ = 0;
-  bool finished_ = false;
-};
-
-/// A member of a group that lies in this file. @throws Failure when it does not.
-void requireMember(const RawFile& raw, const Handle& file, const std::string& path) {
-  H5L_info_t link{};
-  if (H5Lexists(file.id(), path.c_str(), H5P_DEFAULT) <= 0) {
-    throw Failure(fmt::format("it has no {}", path));
-  }
-  if (H5Lget_info(file.id(), path.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
-    throw Failure(fmt::format("{} is damaged", path));
-  }
-  raw.requireObject(link.u.address, path);
-}
-
-/// How a row of a dataset has to look in the file, and in memory.
-struct RowType {
-  Handle in_file, in_memory;
-  std::uint64_t columns = 0;  ///< 0: rows are not arrays
-};
-
-/// What is different in a compound; empty when nothing is.
-std::string difference(hid_t found, hid_t wanted) {
-  if (H5Tget_class(wanted) != H5T_COMPOUND) {
-    return "its values are of another type";
-  }
-  if (H5Tget_class(found) != H5T_COMPOUND) {
-    return "it is no table";
-  }
-  for (int column = 0; column < H5Tget_nmembers(wanted); ++column) {
-    char* const name_there = H5Tget_member_name(wanted, static_cast<unsigned>(column));
-    const std::string name = name_there;
-    H5free_memory(name_there);
-    const int at = H5Tget_member_index(found, name.c_str());
-    if (at < 0) {
-      return fmt::format("it has no column {}", name);
-    }
-    const Handle type = handle(H5Tget_member_type(found, static_cast<unsigned>(at)), "read a type");
-    const Handle wanted_type = handle(H5Tget_member_type(wanted, static_cast<unsigned>(column)), "read a type");
-    if (H5Tequal(type.id(), wanted_type.id()) <= 0) {
-      return fmt::format("its column {} is of another type", name);
-    }
-  }
-  return "its columns are others, or in another order";
-}
-
-/// A dataset whose form has been checked.
-class Table {
- public:
-  Table(const RawFile& raw, const Handle& file, const char* path, RowType row)
-      : path_(path), memory_type_(std::move(row.in_memory)), columns_(row.columns), file_size_(raw.size()) {
-    requireMember(raw, file, path);
-    dataset_ = handle(H5Dopen2(file.id(), path, H5P_DEFAULT), "open it");
-    const Handle type = handle(H5Dget_type(dataset_.id()), "read its type");
-    if (H5Tequal(type.id(), row.in_file.id()) <= 0) {
-      throw Failure(fmt::format("{} is not as version {} has it: {}", path, kSchemaVersion,
-                                difference(type.id(), row.in_file.id())));
-    }
-    readExtent();
-    readLayout(H5Tget_size(type.id()));
-    requireChunks();
-  }
-
-  [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
-
-  /// As many of `count` rows as there are.
-  [[nodiscard]] std::uint64_t available(std::uint64_t first, std::uint64_t count) const noexcept {
-    return std::min(count, rows_ - std::min(rows_, first));
-  }
-
-  /// `count` of the available rows.
-  void read(std::uint64_t first, std::uint64_t count, void* to) const {
-    if (count == 0) {
-      return;
-    }
-    requireChunkSizes(first, count);
-    const std::array<hsize_t, 2> begin{first, 0}, extent{count, columns_};
-    const Handle from = handle(H5Dget_space(dataset_.id()), "read it");
-    done(H5Sselect_hyperslab(from.id(), H5S_SELECT_SET, begin.data(), nullptr, extent.data(), nullptr), "read it");
-    const Handle memory = handle(H5Screate_simple(rank(), extent.data(), nullptr), "read it");
-    if (H5Dread(dataset_.id(), memory_type_.id(), memory.id(), from.id(), H5P_DEFAULT, to) < 0) {
-      throw Failure(fmt::format("{} is damaged in rows {} to {}: {}", path_, first, first + count - 1, reason()));
-    }
-  }
-
- private:
-  [[nodiscard]] int rank() const noexcept { return columns_ == 0 ? 1 : 2; }
-
-  void readExtent() {
-    const Handle space = handle(H5Dget_space(dataset_.id()), "read its size");
-    std::array<hsize_t, 2> extent{};
-    if (H5Sget_simple_extent_type(space.id()) != H5S_SIMPLE || H5Sget_simple_extent_ndims(space.id()) != rank() ||
-        H5Sget_simple_extent_dims(space.id(), extent.data(), nullptr) < 0 || (columns_ != 0 && extent[1] != columns_)) {
-      throw Failure(fmt::format("{} has another shape than a recording's", path_));
-    }
-    rows_ = extent[0];
-  }
-
-  void readLayout(std::size_t value_bytes) {
-    const Handle creation = handle(H5Dget_create_plist(dataset_.id()), "read its layout");
-    std::array<hsize_t, 2> chunk{};
-    if (H5Pget_layout(creation.id()) != H5D_CHUNKED || H5Pget_chunk(creation.id(), rank(), chunk.data()) != rank() ||
-        chunk[0] == 0 || (columns_ != 0 && chunk[1] != columns_) || chunk[0] > kLargestChunk / value_bytes) {
-      throw Failure(fmt::format("{} is not stored as a recording's", path_));
-    }
-    rows_per_chunk_ = chunk[0];
-    row_bytes_ = value_bytes * std::max<std::uint64_t>(1, columns_);
-    const int filters = H5Pget_nfilters(creation.id());
-    for (int filter = 0; filter < filters; ++filter) {
-      unsigned flags = 0, configuration = 0;
-      std::size_t values = 0;
-      const H5Z_filter_t found = H5Pget_filter2(creation.id(), static_cast<unsigned>(filter), &flags, &values, nullptr,
-                                                0, nullptr, &configuration);
-      if (found != H5Z_FILTER_SHUFFLE && found != H5Z_FILTER_DEFLATE) {
-        throw Failure(fmt::format("{} is compressed with filter {}, which recordings do not use", path_, found));
-      }
-    }
-    compressed_ = filters > 0;
-  }
-
-  /// A file can claim any number of rows; those that it has lie in chunks.
-  void requireChunks() const {
-    hsize_t chunks = 0;
-    const Handle space = handle(H5Dget_space(dataset_.id()), "read its size");
-    if (H5Dget_num_chunks(dataset_.id(), space.id(), &chunks) < 0 || chunks > file_size_ ||
-        rows_ > chunks * rows_per_chunk_ || (!compressed_ && rows_ > file_size_ / row_bytes_)) {
-      throw Failure(fmt::format("{} is damaged: of its {} rows not all are there", path_, rows_));
-    }
-  }
-
-  void requireChunkSizes(std::uint64_t first, std::uint64_t count) const {
-    for (std::uint64_t row = first - first % rows_per_chunk_; row < first + count; row += rows_per_chunk_) {
-      const std::array<hsize_t, 2> at{row, 0};
-      unsigned mask = 0;
-      haddr_t address = 0;
-      hsize_t bytes = 0;
-      if (H5Dget_chunk_info_by_coord(dataset_.id(), at.data(), &mask, &address, &bytes) < 0 || address >= file_size_ ||
-          bytes > file_size_ - address) {
-        throw Failure(fmt::format("{} is damaged near row {}", path_, row));
-      }
-    }
-  }
-
-  std::string path_;
-  Handle dataset_, memory_type_;
-  std::uint64_t columns_, file_size_, rows_ = 0, rows_per_chunk_ = 1, row_bytes_ = 1;
-  bool compressed_ = false;
-};
 
 /// Opens an attribute that holds one value.
 Handle openEntry(const Handle& file, const char* name) {
@@ -349,15 +138,15 @@ class RecordingReader::File {
   [[nodiscard]] const RecordingHeader& header() const noexcept { return header_; }
   [[nodiscard]] bool finished() const noexcept { return raw_.finished(); }
   [[nodiscard]] std::uint64_t missingTicks() const noexcept { return missing_ticks_; }
-  [[nodiscard]] const Table& ticks() const noexcept { return *ticks_; }
-  [[nodiscard]] const Table& position() const noexcept { return *position_; }
-  [[nodiscard]] const Table& frames() const noexcept { return *frames_; }
-  [[nodiscard]] const Table& events() const noexcept { return *events_; }
-  [[nodiscard]] const Table* reports() const noexcept { return reports_.get(); }  ///< null: no robot followed
-  [[nodiscard]] const Table* site() const noexcept { return site_.get(); }
+  [[nodiscard]] const RecordedTable& ticks() const noexcept { return *ticks_; }
+  [[nodiscard]] const RecordedTable& position() const noexcept { return *position_; }
+  [[nodiscard]] const RecordedTable& frames() const noexcept { return *frames_; }
+  [[nodiscard]] const RecordedTable& events() const noexcept { return *events_; }
+  [[nodiscard]] const RecordedTable* reports() const noexcept { return reports_.get(); }  ///< null: no robot followed
+  [[nodiscard]] const RecordedTable* site() const noexcept { return site_.get(); }
 
   template <class Row>
-  [[nodiscard]] std::vector<Row> read(const Table& table, std::uint64_t first, std::uint64_t count) const {
+  [[nodiscard]] std::vector<Row> read(const RecordedTable& table, std::uint64_t first, std::uint64_t count) const {
     prepareThread();
     try {
       std::vector<Row> rows(table.available(first, count));
@@ -377,9 +166,9 @@ class RecordingReader::File {
     return raw;
   }
 
-  [[nodiscard]] std::unique_ptr<Table> table(const char* path, Handle in_file, Handle in_memory,
-                                             std::uint64_t columns = 0) const {
-    return std::make_unique<Table>(
+  [[nodiscard]] std::unique_ptr<RecordedTable> table(const char* path, Handle in_file, Handle in_memory,
+                                                     std::uint64_t columns = 0) const {
+    return std::make_unique<RecordedTable>(
         raw_, hdf5_, path,
         RowType{.in_file = std::move(in_file), .in_memory = std::move(in_memory), .columns = columns});
   }
@@ -389,7 +178,7 @@ class RecordingReader::File {
   Handle hdf5_;
   RecordingHeader header_;
   std::uint64_t missing_ticks_ = 0;
-  std::unique_ptr<Table> ticks_, position_, frames_, events_, reports_, site_;
+  std::unique_ptr<RecordedTable> ticks_, position_, frames_, events_, reports_, site_;
 };
 
 RecordingReader::RecordingReader(const std::filesystem::path& path) {

@@ -23,12 +23,6 @@ constexpr double kNearMesh = 1.0 / 50;
 /// Spheres that fill less of a shape do not look like it.
 constexpr double kLeastFilled = 0.5;
 
-void lookForStop() {
-  if (stopAsked()) {
-    throw Failure("interrupted");
-  }
-}
-
 /// In m^3, by the divergence theorem, from a corner of the mesh.
 double volumeOf(const TriangleMesh& mesh) {
   const Vec3 from_m = mesh.points_m.front();
@@ -58,7 +52,7 @@ StoneShape stoneOfMesh(const MendedMesh& mesh, double size_m, std::size_t most_s
   std::optional<TriangleTree> outer_tree;
   if (mesh.shell_count > 1) {
     outer = outerSurface(mesh, tree, std::cbrt(parts_m3) / 200, 1);
-    lookForStop();
+    throwIfStopped();
     outer_tree.emplace(*outer);
   }
   const TriangleMesh& surface = outer ? *outer : mesh.mesh;
@@ -66,7 +60,7 @@ StoneShape stoneOfMesh(const MendedMesh& mesh, double size_m, std::size_t most_s
   const double volume_m3 = volumeOf(surface);
   const double mesh_size_m = std::cbrt(6 * volume_m3 / std::numbers::pi);
   const DepthInSolid depth = [&](const Vec3& point_m, double most_m) {
-    lookForStop();
+    throwIfStopped();
     const TriangleTree::Nearest nearest = surface_tree.nearest(point_m, most_m);
     const double distance_m = nearest.place < 0 ? most_m : std::sqrt(nearest.squared_m2);
     return tree.winding(point_m, 0) > 0 ? distance_m : -distance_m;

@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/json_reader.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/scene_file/scene_words.h"
 
@@ -18,263 +16,150 @@ namespace haptolith {
 
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kMm = 1e-3;  // m
 constexpr int kMostTicks = 1000;
 constexpr double kLargestNumber = 1e9;
 constexpr int kDeepest = 8;
-constexpr std::int64_t kLargestWhole = (std::int64_t{1} << 53) - 1;
+constexpr std::uint64_t kLargestWhole = (std::uint64_t{1} << 53) - 1;  // of the numbers of a page
 constexpr std::string_view kForGuest = "study";
 
-/// Reads the keys of one JSON object, and knows which it was asked for.
-class Keys {
- public:
-  explicit Keys(const Json& object, std::set<std::string> known = {}) : object_(object), asked_(std::move(known)) {
-    if (!object.is_object()) {
-      throw InvalidParameter("message", std::string(object.type_name()), "a JSON object");
+template <class Table>
+auto word(const JsonValue& object, const char* key, const Table& table)
+    -> std::optional<decltype(table.begin()->value)> {
+  const std::optional<JsonValue> name = object.find(key);
+  if (!name) {
+    return std::nullopt;
+  }
+  for (const auto& entry : table) {
+    if (entry.name == currentWord(name->text())) {
+      return entry.value;
     }
   }
-
-  [[nodiscard]] const Json* find(const std::string& key) {
-    asked_.insert(key);
-    const auto at = object_.find(key);
-    return at == object_.end() ? nullptr : &*at;
-  }
-
-  [[nodiscard]] const Json& need(const std::string& key) {
-    const Json* value = find(key);
-    if (value == nullptr) {
-      throw InvalidParameter(key, "nothing", "given");
-    }
-    return *value;
-  }
-
-  [[nodiscard]] std::optional<double> number(const std::string& key, const Range& valid) {
-    const Json* value = find(key);
-    return value == nullptr ? std::nullopt : std::optional(numberOf(key, *value, valid));
-  }
-
-  [[nodiscard]] std::optional<std::string> text(const std::string& key) {
-    const Json* value = find(key);
-    return value == nullptr ? std::nullopt : std::optional(textOf(key, *value));
-  }
-
-  template <class Table>
-  [[nodiscard]] auto word(const std::string& key, const Table& table) -> std::optional<decltype(table.begin()->value)> {
-    const std::optional<std::string> name = text(key);
-    if (!name) {
-      return std::nullopt;
-    }
-    for (const auto& entry : table) {
-      if (entry.name == currentWord(*name)) {
-        return entry.value;
-      }
-    }
-    throw InvalidParameter(key, shortened(*name), fmt::format("{}", fmt::join(namesOf(table), ", ")));
-  }
-
-  void refuseOthers() const {
-    for (const auto& [key, value] : object_.items()) {
-      if (!asked_.contains(key)) {
-        throw InvalidParameter(shortened(key), "given", "left out: there is no such key here");
-      }
-    }
-  }
-
-  static double numberOf(const std::string& key, const Json& value, const Range& valid) {
-    if (!value.is_number()) {
-      throw InvalidParameter(key, std::string(value.type_name()), "a number");
-    }
-    return requireInRange(key, value.get<double>(), valid);
-  }
-
-  static std::string textOf(const std::string& key, const Json& value) {
-    if (!value.is_string()) {
-      throw InvalidParameter(key, std::string(value.type_name()), "a text");
-    }
-    return value.get<std::string>();
-  }
-
-  /// What somebody sent, short enough to send back.
-  static std::string shortened(const std::string& text) {
-    constexpr std::size_t kLongest = 60;
-    return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
-  }
-
- private:
-  const Json& object_;
-  std::set<std::string> asked_;
-};
-
-template <std::size_t kCount>
-std::array<double, kCount> numbers(const std::string& key, const Json& value, const Range& valid) {
-  if (!value.is_array() || value.size() != kCount) {
-    throw InvalidParameter(key, std::string(value.type_name()), fmt::format("{} numbers", kCount));
-  }
-  std::array<double, kCount> read{};
-  for (std::size_t i = 0; i < kCount; ++i) {
-    read[i] = Keys::numberOf(key, value[i], valid);
-  }
-  return read;
+  name->refuse(name->given(), fmt::format("{}", fmt::join(namesOf(table), ", ")));
 }
 
-command::Hold hold(Keys& keys) {
-  const auto p = numbers<7>("pose", keys.need("pose"), {-1000, 1000});
+std::optional<std::string> text(const JsonValue& object, const char* key) {
+  const std::optional<JsonValue> value = object.find(key);
+  return value ? std::optional(value->text()) : std::nullopt;
+}
+
+/// A length in mm, in m.
+std::optional<double> millimetres(const JsonValue& object, const char* key, const Range& valid_mm) {
+  const std::optional<JsonValue> value = object.find(key);
+  return value ? std::optional(value->number(valid_mm) * kMm) : std::nullopt;
+}
+
+command::Hold hold(const JsonValue& message) {
+  const auto p = message.at("pose").numbers<7>({-1000, 1000});
   return {{Vec3(p[0], p[1], p[2]), Quat(p[3], p[4], p[5], p[6])}};
 }
 
-command::Play play(Keys& keys) {
-  const auto manoeuvre = keys.word("manoeuvre", kManoeuvreWords);
+command::Play play(const JsonValue& message) {
+  const auto manoeuvre = word(message, "manoeuvre", kManoeuvreWords);
   if (!manoeuvre || *manoeuvre == Manoeuvre::kPoses) {
     throw InvalidParameter("manoeuvre", manoeuvre ? "poses" : "nothing", anyOf(playableManoeuvres()));
   }
   return {*manoeuvre};
 }
 
-void readTool(const Json& object, SceneChange& change) {
+void readTool(const JsonValue& tool, SceneChange& change) {
   const Range valid_mm = ToolRanges::length_m.in(kMm);  // to the size of the box: changed()
-  Keys keys(object);
-  change.tool_shape = keys.word("shape", kToolShapeWords);
-  if (const Json* size = keys.find("size_mm")) {
-    const auto edges = numbers<3>("size_mm", *size, valid_mm);
+  change.tool_shape = word(tool, "shape", kToolShapeWords);
+  if (const auto size = tool.find("size_mm")) {
+    const auto edges = size->numbers<3>(valid_mm);
     change.tool_size_m = kMm * Vec3(edges[0], edges[1], edges[2]);
   }
-  const auto metres = [](std::optional<double> mm) { return mm ? std::optional(*mm * kMm) : std::nullopt; };
-  change.tool_diameter_m = metres(keys.number("diameter_mm", valid_mm));
-  change.tool_thickness_m = metres(keys.number("thickness_mm", valid_mm));
-  change.tool_opening_m = metres(keys.number("opening_mm", valid_mm));
-  change.tool_length_m = metres(keys.number("length_mm", valid_mm));
-  keys.refuseOthers();
+  change.tool_diameter_m = millimetres(tool, "diameter_mm", valid_mm);
+  change.tool_thickness_m = millimetres(tool, "thickness_mm", valid_mm);
+  change.tool_opening_m = millimetres(tool, "opening_mm", valid_mm);
+  change.tool_length_m = millimetres(tool, "length_mm", valid_mm);
+  tool.refuseOtherKeys();
 }
 
 /// A name that the program knows; a client may not make it read files.
-std::optional<std::string> soilName(Keys& keys) {
-  std::optional<std::string> name = keys.text("soil");
+std::optional<std::string> soilName(const JsonValue& message) {
+  std::optional<std::string> name = text(message, "soil");
   const std::vector<std::string> known = soilNames();
   if (name && std::ranges::find(known, *name) == known.end()) {
-    throw InvalidParameter("soil", Keys::shortened(*name), fmt::format("{}", fmt::join(known, ", ")));
+    message.at("soil").refuse(inQuotes(*name), fmt::format("{}", fmt::join(known, ", ")));
   }
   return name;
 }
 
-command::Change change(Keys& keys) {
+command::Change change(const JsonValue& message) {
   SceneChange change;
-  change.preset = keys.text("preset");
-  change.soil = soilName(keys);
-  change.body = keys.text("body");
-  change.friction = keys.word("friction", kFrictionWords);
-  if (const Json* sliders = keys.find("sliders")) {
-    if (!sliders->is_object()) {
-      throw InvalidParameter("sliders", std::string(sliders->type_name()), "an object of numbers");
-    }
-    for (const auto& [key, value] : sliders->items()) {
-      change.sliders.emplace_back(key, Keys::numberOf(Keys::shortened(key), value, {-kLargestNumber, kLargestNumber}));
+  change.preset = text(message, "preset");
+  change.soil = soilName(message);
+  change.body = text(message, "body");
+  change.friction = word(message, "friction", kFrictionWords);
+  if (const auto sliders = message.find("sliders")) {
+    for (const auto& [key, value] : sliders->members()) {
+      change.sliders.emplace_back(key, value.number({-kLargestNumber, kLargestNumber}));
     }
   }
-  if (const Json* tool = keys.find("tool")) {
+  if (const auto tool = message.find("tool")) {
     readTool(*tool, change);
   }
   return {change};
 }
 
-/// A whole number that a page's numbers hold exactly.
-std::int64_t wholeOf(const std::string& key, const Json& value) {
-  const bool whole = value.is_number_integer() && (value.is_number_unsigned() || value.get<std::int64_t>() >= 0);
-  if (!whole || value.get<std::uint64_t>() > static_cast<std::uint64_t>(kLargestWhole)) {
-    throw InvalidParameter(key, value.is_number() ? value.dump() : std::string(value.type_name()),
-                           fmt::format("a whole number from 0 to {}", kLargestWhole));
-  }
-  return value.get<std::int64_t>();
-}
-
-command::ToolFile toolFile(Keys& keys) {
+command::ToolFile toolFile(const JsonValue& message) {
   command::ToolFile file;
-  file.upload = static_cast<std::uint64_t>(wholeOf("upload", keys.need("upload")));
-  const std::string name = Keys::textOf("name", keys.need("name"));
-  file.source.name = haptolith::shortened(name);
+  file.upload = message.at("upload").whole(kLargestWhole);
+  const std::string& name = message.at("name").text();
+  file.source.name = shortened(name);
   file.source.format = requireMeshFormat(name);
-  file.source.unit_m = keys.number("unit_mm", kMeshUnit_m.in(kMm)).value_or(1) * kMm;
-  file.source.sheet_thickness_m = keys.number("sheet_thickness_mm", kSheetThickness_m.in(kMm)).value_or(0) * kMm;
+  file.source.unit_m = millimetres(message, "unit_mm", kMeshUnit_m.in(kMm)).value_or(kMm);
+  file.source.sheet_thickness_m = millimetres(message, "sheet_thickness_mm", kSheetThickness_m.in(kMm)).value_or(0);
   return file;
 }
 
-command::Step step(Keys& keys) {
-  const double ticks = keys.number("ticks", {1, kMostTicks}).value_or(1);
-  if (ticks != std::floor(ticks)) {
-    throw InvalidParameter("ticks", fmt::format("{}", ticks), "a whole number");
+command::Step step(const JsonValue& message) {
+  const auto ticks = message.find("ticks");
+  const double count = ticks ? ticks->number({1, kMostTicks}) : 1;
+  if (count != std::floor(count)) {
+    ticks->refuse(ticks->given(), "a whole number");
   }
-  return {static_cast<int>(ticks)};
+  return {static_cast<int>(count)};
 }
 
-command::Speed speed(Keys& keys) {
-  return {Keys::numberOf("factor", keys.need("factor"), {0.01, 1})};
+command::Speed speed(const JsonValue& message) {
+  return {message.at("factor").number({0.01, 1})};
 }
 
-bool flag(const std::string& key, const Json& value) {
-  if (!value.is_boolean()) {
-    throw InvalidParameter(key, std::string(value.type_name()), "true or false");
-  }
-  return value.get<bool>();
+command::Record record(const JsonValue& message) {
+  return {message.at("on").flag()};
 }
 
-command::Record record(Keys& keys) {
-  return {flag("on", keys.need("on"))};
-}
-
-command::Colour colour(Keys& keys) {
-  const std::optional<bool> by_force = keys.word("by", kColourWords);
+command::Colour colour(const JsonValue& message) {
+  const std::optional<bool> by_force = word(message, "by", kColourWords);
   if (!by_force) {
     throw InvalidParameter("by", "nothing", "plain, force, speed, depth or sleep");
   }
   return {*by_force};
 }
 
-/// Whether brackets are nested more deeply than any message has them; what can be nested without end costs more and
-/// more to take apart, and its parts are taken apart and freed recursively.
-bool isTooDeep(std::string_view text) {
-  int depth = 0;
-  bool in_text = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_text) {
-      i += c == '\\' ? 1 : 0;
-      in_text = c != '"';
-    } else if (c == '"') {
-      in_text = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > kDeepest) {
-        return true;
-      }
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return false;
-}
-
-Command commandOf(const Json& message) {
-  Keys keys(message, {"id", "confirmed"});
-  const std::string what = Keys::textOf("do", keys.need("do"));
-  using Reader = Command (*)(Keys&);
+Command commandOf(const JsonValue& message) {
+  const JsonValue what = message.at("do");
+  using Reader = Command (*)(const JsonValue&);
   static const std::map<std::string, Reader> kReaders = {
-      {"hold", [](Keys& k) -> Command { return hold(k); }},
-      {"release", [](Keys&) -> Command { return command::Release{}; }},
-      {"play", [](Keys& k) -> Command { return play(k); }},
-      {"scene", [](Keys& k) -> Command { return change(k); }},
-      {"tool_file", [](Keys& k) -> Command { return toolFile(k); }},
-      {"reset", [](Keys&) -> Command { return command::Reset{}; }},
-      {"level", [](Keys&) -> Command { return command::Level{}; }},
-      {"coarser", [](Keys&) -> Command { return command::Coarser{}; }},
-      {"undo", [](Keys&) -> Command { return command::Undo{}; }},
-      {"pause", [](Keys&) -> Command { return command::Pause{}; }},
-      {"resume", [](Keys&) -> Command { return command::Resume{}; }},
-      {"step", [](Keys& k) -> Command { return step(k); }},
-      {"speed", [](Keys& k) -> Command { return speed(k); }},
-      {"record", [](Keys& k) -> Command { return record(k); }},
-      {"colour", [](Keys& k) -> Command { return colour(k); }},
+      {"hold", [](const JsonValue& m) -> Command { return hold(m); }},
+      {"release", [](const JsonValue&) -> Command { return command::Release{}; }},
+      {"play", [](const JsonValue& m) -> Command { return play(m); }},
+      {"scene", [](const JsonValue& m) -> Command { return change(m); }},
+      {"tool_file", [](const JsonValue& m) -> Command { return toolFile(m); }},
+      {"reset", [](const JsonValue&) -> Command { return command::Reset{}; }},
+      {"level", [](const JsonValue&) -> Command { return command::Level{}; }},
+      {"coarser", [](const JsonValue&) -> Command { return command::Coarser{}; }},
+      {"undo", [](const JsonValue&) -> Command { return command::Undo{}; }},
+      {"pause", [](const JsonValue&) -> Command { return command::Pause{}; }},
+      {"resume", [](const JsonValue&) -> Command { return command::Resume{}; }},
+      {"step", [](const JsonValue& m) -> Command { return step(m); }},
+      {"speed", [](const JsonValue& m) -> Command { return speed(m); }},
+      {"record", [](const JsonValue& m) -> Command { return record(m); }},
+      {"colour", [](const JsonValue& m) -> Command { return colour(m); }},
   };
-  const auto reader = kReaders.find(what);
+  const auto reader = kReaders.find(what.text());
   if (reader == kReaders.end()) {
     std::vector<std::string> names;
     names.reserve(kReaders.size() + 1);
@@ -282,10 +167,10 @@ Command commandOf(const Json& message) {
       names.push_back(name);
     }
     names.emplace_back(kForGuest);
-    throw InvalidParameter("do", Keys::shortened(what), fmt::format("{}", fmt::join(names, ", ")));
+    what.refuse(what.given(), fmt::format("{}", fmt::join(names, ", ")));
   }
-  Command command = reader->second(keys);
-  keys.refuseOthers();
+  Command command = reader->second(message);
+  message.refuseOtherKeys();
   return command;
 }
 
@@ -293,26 +178,19 @@ Command commandOf(const Json& message) {
 
 ClientMessage parseClientMessage(std::string_view text) {
   ClientMessage message;
-  if (isTooDeep(text)) {
-    message.refused = fmt::format("the message is nested more than {} deep", kDeepest);
-    return message;
-  }
-  const Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) {
-    message.refused = "the message is not JSON";
-    return message;
-  }
   try {
-    if (json.is_object() && json.contains("id")) {
+    const JsonValue root = parseJson(text, "", "a JSON object", {.depth = kDeepest});
+    if (const auto id = root.find("id")) {
       message.wants_reply = true;
-      message.id = wholeOf("id", json["id"]);  // the reply repeats it
+      message.id = static_cast<std::int64_t>(id->whole(kLargestWhole));  // the reply repeats it
     }
-    if (json.is_object() && json.contains("do") && json["do"] == kForGuest) {
+    if (const auto what = root.find("do"); what && what->text() == kForGuest) {
       message.for_guest = true;
       return message;
     }
-    message.confirmed = json.is_object() && json.contains("confirmed") && flag("confirmed", json["confirmed"]);
-    message.command = commandOf(json);
+    const auto confirmed = root.find("confirmed");
+    message.confirmed = confirmed && confirmed->flag();
+    message.command = commandOf(root);
   } catch (const InvalidParameter& error) {
     message.refused = error.what();
   }

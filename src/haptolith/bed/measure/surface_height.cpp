@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+
+#include "haptolith/core/statistics.h"
 
 namespace haptolith {
 
@@ -100,8 +101,7 @@ double meanSurfaceHeight(const Bed& bed) {
 
 double meanSurfaceHeight(SeenSoil seen, const BedParameters& bed) {
   seen.stones.clear();
-  const std::vector<double> heights = surfaceHeights(seen, gridWithinSides(bed, seen.radius_m / 2), 1);
-  return std::accumulate(heights.begin(), heights.end(), 0.0) / static_cast<double>(heights.size());
+  return mean(surfaceHeights(seen, gridWithinSides(bed, seen.radius_m / 2), 1));
 }
 
 }  // namespace haptolith

@@ -96,9 +96,7 @@ LineReader::LineReader(std::istream& text, std::string_view name, const TextLimi
     : text_(*text.rdbuf()), name_(name), limits_(limits) {}
 
 bool LineReader::next(std::string& line) {
-  if (stopAsked()) {
-    throw Failure("interrupted");
-  }
+  throwIfStopped();
   using Traits = std::streambuf::traits_type;
   line.clear();
   ended_ = false;

@@ -7,8 +7,8 @@
 #include <random>
 #include <thread>
 
-#include "haptolith/core/median.h"
 #include "haptolith/core/process/in_parallel.h"
+#include "haptolith/core/statistics.h"
 
 namespace haptolith {
 

@@ -8,8 +8,8 @@
 #include <random>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/median.h"
 #include "haptolith/core/random.h"
+#include "haptolith/core/statistics.h"
 
 namespace haptolith {
 

@@ -13,7 +13,7 @@
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/input_file.h"
-#include "haptolith/core/plain_text.h"
+#include "haptolith/core/files/json_reader.h"
 #include "haptolith/identify/training/built_in_trainings.h"
 
 namespace haptolith {
@@ -64,64 +64,13 @@ double force(double value_n) {
 
 // --- reading --------------------------------------------------------------------------------------------------------
 
-/// A value in the file, and where it is.
-class Node {
- public:
-  Node(const Json& json, std::string place) : json_(json), place_(std::move(place)) {}
-
-  [[nodiscard]] Node at(const char* key) const {
-    const auto found = json_.is_object() ? json_.find(key) : json_.end();
-    if (!json_.is_object() || found == json_.end()) {
-      throw InvalidParameter(fmt::format("{}: {}", place_, key), "missing", "there");
-    }
-    return {*found, fmt::format("{}: {}", place_, key)};
-  }
-  [[nodiscard]] bool has(const char* key) const { return json_.is_object() && json_.contains(key); }
-
-  [[nodiscard]] double number(const Range& valid) const {
-    if (!json_.is_number()) {
-      throw InvalidParameter(place_, inQuotes(json_.dump()), "a number");
-    }
-    requireInRange(place_, json_.get<double>(), valid);
-    return json_.get<double>();
-  }
-
-  [[nodiscard]] std::vector<Node> list(std::size_t least, std::size_t most) const {
-    if (!json_.is_array() || json_.size() < least || json_.size() > most) {
-      throw InvalidParameter(
-          place_, json_.is_array() ? fmt::format("of {}", json_.size()) : inQuotes(json_.dump()),
-          least == most ? fmt::format("a list of {}", least) : fmt::format("a list of {} to {}", least, most));
-    }
-    std::vector<Node> nodes;
-    for (std::size_t i = 0; i < json_.size(); ++i) {
-      nodes.emplace_back(json_[i], fmt::format("{}[{}]", place_, i));
-    }
-    return nodes;
-  }
-
-  template <std::size_t kCount>
-  [[nodiscard]] std::array<double, kCount> numbers(const Range& valid) const {
-    std::array<double, kCount> values{};
-    const std::vector<Node> nodes = list(kCount, kCount);
-    for (std::size_t i = 0; i < kCount; ++i) {
-      values[i] = nodes[i].number(valid);
-    }
-    return values;
-  }
-  [[nodiscard]] const std::string& place() const { return place_; }
-
- private:
-  const Json& json_;
-  std::string place_;
-};
-
-ShearStrength strengthFrom(const Node& node) {
+ShearStrength strengthFrom(const JsonValue& node) {
   const auto [angle_deg, cohesion_pa] = node.numbers<2>({-1e6, 1e6});
-  requireInRange(node.place(), angle_deg, {0, 89});
+  requireInRange(node.path(), angle_deg, {0, 89});
   return {angle_deg, cohesion_pa};
 }
 
-TrainingRun runFrom(const Node& node, std::size_t windows) {
+TrainingRun runFrom(const JsonValue& node, std::size_t windows) {
   TrainingRun run;
   run.number = static_cast<std::uint64_t>(node.at("number").number(BedRanges::seed));
   run.sample.soil = lunarContacts();
@@ -132,19 +81,19 @@ TrainingRun runFrom(const Node& node, std::size_t windows) {
   if (node.has("residual")) {
     run.strength = MeasuredStrength{strengthFrom(node.at("residual")), strengthFrom(node.at("peak"))};
   }
-  for (const Node& window : node.at("forces_n").list(windows, windows)) {
+  for (const JsonValue& window : node.at("forces_n").list(windows, windows)) {
     const auto [x, y, z] = window.numbers<3>({-1e6, 1e6});
     run.forces.emplace_back(x, y, z);
   }
   return run;
 }
 
-std::vector<TimedPose> posesFrom(const Node& node) {
+std::vector<TimedPose> posesFrom(const JsonValue& node) {
   std::vector<TimedPose> poses;
-  for (const Node& row : node.list(2, kMostWindows)) {
+  for (const JsonValue& row : node.list(2, kMostWindows)) {
     const auto v = row.numbers<8>({-1e6, 1e6});
     const Quat turn(v[4], v[5], v[6], v[7]);
-    requireInRange(row.place() + ": length of qw,qx,qy,qz", turn.norm(), kUnitNorm);
+    requireInRange(row.path() + ": length of qw,qx,qy,qz", turn.norm(), kUnitNorm);
     poses.push_back({v[0], {{v[1], v[2], v[3]}, turn.normalized()}});
   }
   return poses;
@@ -192,14 +141,7 @@ std::string trainingText(const Training& training) {
 }
 
 Training parseTraining(std::string_view text, std::string_view name) {
-  // What lies deeper than any of its numbers is not kept.
-  constexpr int kDeepest = 6;
-  const Json json = Json::parse(
-      text, [](int depth, Json::parse_event_t, const Json&) { return depth <= kDeepest; }, false);
-  if (json.is_discarded()) {
-    throw InvalidParameter(std::string(name), "no JSON", "a training that `haptolith identify train` has written");
-  }
-  const Node file(json, std::string(name));
+  const JsonValue file = parseJson(text, std::string(name), "a training that `haptolith identify train` has written");
   (void)file.at("haptolith_training").number({kVersion, kVersion});
   (void)file.at("window_s").number({kForceWindow_s, kForceWindow_s});
   Training training{ToolMovement(posesFrom(file.at("poses"))), {}, 0, {}, {}};
@@ -210,19 +152,17 @@ Training parseTraining(std::string_view text, std::string_view name) {
   if (file.has("temper")) {
     training.temper = file.at("temper").number({0.1, 1000});
   }
-  training.tool = json.contains("tool") && json["tool"].is_string() ? json["tool"].get<std::string>() : "";
+  training.tool = file.has("tool") ? file.at("tool").text() : "";
   std::map<std::uint64_t, std::string> places;  // of the runs by their numbers
-  for (const Node& node : file.at("runs").list(0, kMostRuns)) {
+  for (const JsonValue& node : file.at("runs").list(0, kMostRuns)) {
     const TrainingRun run = runFrom(node, windows);
-    if (const auto [same, is_new] = places.emplace(run.number, node.place()); !is_new) {
-      throw InvalidParameter(fmt::format("{}: number", node.place()),
-                             fmt::format("{}, as of {}", run.number, same->second),
+    if (const auto [same, is_new] = places.emplace(run.number, node.path()); !is_new) {
+      throw InvalidParameter(node.path() + ".number", fmt::format("{}, as of {}", run.number, same->second),
                              "another soil in each run: one that stands there twice would count twice");
     }
     const auto same = std::ranges::find(training.runs, run.forces, &TrainingRun::forces);
     if (same != training.runs.end() && !run.forces.empty()) {
-      throw InvalidParameter(fmt::format("{}: forces_n", node.place()),
-                             fmt::format("those of run {} again", same->number),
+      throw InvalidParameter(node.path() + ".forces_n", fmt::format("those of run {} again", same->number),
                              "another soil in each run: one that stands there twice would count twice");
     }
     training.runs.push_back(run);

@@ -7,7 +7,8 @@
 #include <cstddef>
 #include <iterator>
 #include <limits>
-#include <numeric>
+
+#include "haptolith/core/statistics.h"
 
 namespace haptolith {
 
@@ -26,16 +27,7 @@ std::string shown(double number, int decimals) {
 Scatter scatterOf(const std::vector<double>& numbers) {
   std::vector<double> finite;
   std::ranges::copy_if(numbers, std::back_inserter(finite), [](double number) { return std::isfinite(number); });
-  if (finite.empty()) {
-    return {kNone, kNone, 0};
-  }
-  const auto count = static_cast<double>(finite.size());
-  const double mean = std::accumulate(finite.begin(), finite.end(), 0.0) / count;
-  double squares = 0;
-  for (const double number : finite) {
-    squares += (number - mean) * (number - mean);
-  }
-  return {mean, finite.size() > 1 ? std::sqrt(squares / (count - 1)) : kNone, finite.size()};
+  return {mean(finite), standardDeviation(finite), finite.size()};
 }
 
 std::string shown(const Scatter& scatter, int decimals) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "haptolith/core/statistics.h"
 #include "haptolith/figure/figure.h"
 
 namespace haptolith {
@@ -14,18 +15,7 @@ namespace haptolith {
 namespace {
 
 ClaimValue valueOf(const std::vector<double>& numbers) {
-  ClaimValue value;
-  for (const double number : numbers) {
-    value.mean += number / static_cast<double>(numbers.size());
-  }
-  if (numbers.size() > 1) {
-    double squares = 0;
-    for (const double number : numbers) {
-      squares += (number - value.mean) * (number - value.mean);
-    }
-    value.deviation = std::sqrt(squares / static_cast<double>(numbers.size() - 1));
-  }
-  return value;
+  return {mean(numbers), numbers.size() > 1 ? std::optional(standardDeviation(numbers)) : std::nullopt};
 }
 
 /// Where `value` stands to `accepted`, whose width says how far outside is only a little.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/statistics.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/staged_progress.h"
 #include "haptolith/lab/tests/soil_strength.h"
@@ -91,21 +92,14 @@ struct Mean {
 Mean meanOf(const std::vector<Moment>& moments, double Moment::*quantity) {
   constexpr std::size_t kBlocks = 10;
   std::array<double, kBlocks> blocks{};
-  Mean mean;
   for (std::size_t block = 0; block < kBlocks; ++block) {
     const std::size_t first = moments.size() * block / kBlocks;
     const std::size_t last = moments.size() * (block + 1) / kBlocks;
     for (std::size_t i = first; i < last; ++i) {
       blocks[block] += moments[i].*quantity / static_cast<double>(last - first);
     }
-    mean.value += blocks[block] / kBlocks;
   }
-  double squares = 0;
-  for (const double block : blocks) {
-    squares += (block - mean.value) * (block - mean.value);
-  }
-  mean.standard_error = std::sqrt(squares / (kBlocks * (kBlocks - 1)));
-  return mean;
+  return {mean(blocks), standardDeviation(blocks) / std::sqrt(kBlocks)};
 }
 
 LabTrace traceOf(const std::vector<Moment>& moments, double stretch_m) {

@@ -9,6 +9,7 @@
 
 #include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/statistics.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/apparatus/lab_bed.h"
 #include "haptolith/lab/staged_progress.h"
@@ -255,14 +256,8 @@ std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainO
         result.trace = drawn.trace;
       }
     }
-    double squares = 0;
-    for (const double mean : means) {
-      result.draft_n += mean / static_cast<double>(means.size());
-    }
-    for (const double mean : means) {
-      squares += (mean - result.draft_n) * (mean - result.draft_n);
-    }
-    result.draft_sd_n = means.size() > 1 ? std::sqrt(squares / static_cast<double>(means.size() - 1)) : 0;
+    result.draft_n = mean(means);
+    result.draft_sd_n = means.size() > 1 ? standardDeviation(means) : 0;
     results.push_back(std::move(result));
   }
   return results;

@@ -122,9 +122,7 @@ class HyperGrid {
     }
     setPriors();
     for (std::size_t i = 0; i < people.size(); ++i) {
-      if (stopAsked()) {
-        throw Failure("interrupted");
-      }
+      throwIfStopped();
       const Person person = personOf(i);
       for (std::size_t s = 0; s < log_density_.size(); ++s) {
         log_density_[s] += integrals(person, s).array().max(kImpossibleGroup).log();

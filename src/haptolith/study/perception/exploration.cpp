@@ -7,13 +7,13 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <random>
 #include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/core/random.h"
+#include "haptolith/core/statistics.h"
 #include "haptolith/device/hand/manoeuvre.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
@@ -147,9 +147,7 @@ class FeltHeight {
     }
   }
   /// Mean of all times; NaN when there was none.
-  [[nodiscard]] double mean() const {
-    return std::accumulate(highest_m_.begin(), highest_m_.end(), 0.0) / static_cast<double>(highest_m_.size());
-  }
+  [[nodiscard]] double mean() const { return haptolith::mean(highest_m_); }
 
  private:
   std::vector<double> highest_m_;
@@ -272,9 +270,7 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
   std::vector<TickRecord> records;
   const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
   for (long long tick = 0; tick < ticks; ++tick) {
-    if (stopAsked()) {
-      throw Failure("interrupted");
-    }
+    throwIfStopped();
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
       throw Failure(fmt::format("the exploration broke off after {:g} s: {}", loop.time(), text(end)));
     }

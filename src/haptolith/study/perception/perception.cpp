@@ -9,6 +9,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/in_parallel.h"
+#include "haptolith/core/statistics.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/bodies.h"
 #include "haptolith/soil/contact_strength.h"
@@ -137,14 +138,12 @@ std::vector<FeltStimulus> feltBy(const PerceptionBlock& block, std::span<const H
 PerceivedCue statisticsOf(const PerceptionBlock& block, const HandsCue& of) {
   PerceivedCue one{.hand = {}, .cue = of.cue, .means = {}, .deviations = {}, .discrimination = {}};
   for (const FeltStimulus& stimulus : feltBy(block, std::span(&of, 1))) {
-    double sum = 0, sum_of_squares = 0;
+    std::vector<double> magnitudes;
     for (const std::vector<double>& exploration : stimulus.magnitudes) {
-      sum += exploration.front();
-      sum_of_squares += exploration.front() * exploration.front();
+      magnitudes.push_back(exploration.front());
     }
-    const auto count = static_cast<double>(stimulus.magnitudes.size());
-    one.means.push_back(sum / count);
-    one.deviations.push_back(std::sqrt(std::max(0.0, (sum_of_squares - sum * sum / count) / (count - 1))));
+    one.means.push_back(mean(magnitudes));
+    one.deviations.push_back(standardDeviation(magnitudes));
   }
   return one;
 }

@@ -6,9 +6,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <utility>
+
+#include "haptolith/core/statistics.h"
 
 namespace haptolith {
 
@@ -43,7 +44,7 @@ TeleopMeasure measureOf(const OfTrials& number, std::span<const TrialRow> trials
     }
   }
   for (const auto& [person, all] : values) {
-    measure.of_people[person] = std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+    measure.of_people[person] = mean(all);
   }
   return measure;
 }
@@ -79,14 +80,10 @@ PeopleMean meanOverPeople(std::span<const double> values, double confidence) {
     return result;
   }
   const auto n = static_cast<double>(values.size());
-  result.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  result.mean = mean(values);
   if (values.size() > 1) {
-    double squares = 0;
-    for (const double value : values) {
-      squares += (value - result.mean) * (value - result.mean);
-    }
     const double t = boost::math::quantile(boost::math::students_t(n - 1), (1 + confidence) / 2);
-    const double half = t * std::sqrt(squares / (n - 1) / n);
+    const double half = t * standardDeviation(values) / std::sqrt(n);
     result.interval = {result.mean - half, result.mean + half};
   }
   return result;

@@ -155,6 +155,8 @@ class Conductor {
   void saveWhatWaits();
   void finishTrial();
   void stopRecording();
+  [[nodiscard]] std::filesystem::path recordingFile(std::string_view trial, int interval) const;
+  [[nodiscard]] std::string freeRecordingName(const std::string& name) const;
   void dropTrial(TrialState state, std::string_view reason);
   [[nodiscard]] bool underWay() const noexcept { return trial_.has_value() && trial_->id != 0; }
   [[nodiscard]] const Stimulus& stimulus(int interval) const;

@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/files/json_reader.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/study/results/answers.h"
 
@@ -215,55 +217,48 @@ Json curveJson(const StudyBlock& block, const std::vector<Level>& levels, Json& 
   return curve;
 }
 
-std::string textAt(const Json& message, const char* key) {
-  if (!message.contains(key) || !message[key].is_string()) {
-    throw InvalidParameter(key, message.contains(key) ? message[key].dump() : "nothing", "a text");
-  }
-  return message[key].get<std::string>();
-}
-
-void handleParticipant(Conductor& conductor, const std::string& act, const Json& message) {
-  if (act == "go") {
+void handleParticipant(Conductor& conductor, const JsonValue& message) {
+  const JsonValue act = message.at("act");
+  if (act.text() == "go") {
     conductor.proceed();
-  } else if (act == "fill") {
+  } else if (act.text() == "fill") {
     std::map<std::string, std::string> values;
-    if (!message.contains("values") || !message["values"].is_object()) {
-      throw InvalidParameter("values", "nothing", "an object of texts");
-    }
-    for (const auto& [key, value] : message["values"].items()) {
-      values[key] = textAt(message["values"], key.c_str());
+    for (const auto& [key, value] : message.at("values").members()) {
+      values[key] = value.text();
     }
     conductor.fill(values);
-  } else if (act == "answer") {
-    const Json choice = message.value("choice", Json());
-    if (choice != 0 && choice != 1) {
-      throw InvalidParameter("choice", choice.is_null() ? "nothing" : choice.dump(), "0 or 1");
+  } else if (act.text() == "answer") {
+    const JsonValue choice = message.at("choice");
+    const double number = choice.number({});
+    if (number != 0 && number != 1) {
+      choice.refuse(choice.given(), "0 or 1");
     }
-    conductor.answer(choice.get<int>());
-  } else if (act == "quit") {
+    conductor.answer(static_cast<int>(number));
+  } else if (act.text() == "quit") {
     conductor.withdraw();
   } else {
-    throw InvalidParameter("act", act, "go, fill, answer or quit for a participant");
+    act.refuse(act.given(), "go, fill, answer or quit for a participant");
   }
 }
 
-void handleExperimenter(Conductor& conductor, const std::string& act, const Json& message) {
-  if (act == "pause") {
+void handleExperimenter(Conductor& conductor, const JsonValue& message) {
+  const JsonValue act = message.at("act");
+  if (act.text() == "pause") {
     conductor.pause();
-  } else if (act == "resume") {
+  } else if (act.text() == "resume") {
     conductor.resume();
-  } else if (act == "repeat") {
-    const std::string which = message.contains("which") ? textAt(message, "which") : "now";
+  } else if (act.text() == "repeat") {
+    const std::string which = message.has("which") ? message.at("which").text() : "now";
     if (which != "now" && which != "last") {
-      throw InvalidParameter("which", which, "now or last");
+      message.at("which").refuse(inQuotes(which), "now or last");
     }
-    conductor.repeat(which == "now" ? Conductor::Again::kNow : Conductor::Again::kLast, textAt(message, "reason"));
-  } else if (act == "note") {
-    conductor.note(textAt(message, "text"));
-  } else if (act == "end") {
+    conductor.repeat(which == "now" ? Conductor::Again::kNow : Conductor::Again::kLast, message.at("reason").text());
+  } else if (act.text() == "note") {
+    conductor.note(message.at("text").text());
+  } else if (act.text() == "end") {
     conductor.stop();
   } else {
-    throw InvalidParameter("act", act, "pause, resume, repeat, note or end for an experimenter");
+    act.refuse(act.given(), "pause, resume, repeat, note or end for an experimenter");
   }
 }
 
@@ -354,26 +349,23 @@ std::string experimenterMessage(const Conductor& conductor, std::string_view his
 }
 
 bool handleStudyMessage(Conductor& conductor, std::string_view text, StudyRole role, bool joined) {
-  const Json message = Json::parse(text, nullptr, false);
-  if (!message.is_object()) {
-    throw InvalidParameter("message", "no JSON object", "an object");
-  }
-  const std::string act = textAt(message, "act");
-  if (act == "join") {
-    const std::string as = textAt(message, "as");
+  const JsonValue message = parseJson(text, "", "a JSON object");
+  const JsonValue act = message.at("act");
+  if (act.text() == "join") {
+    const JsonValue as = message.at("as");
     const std::string_view own = role == StudyRole::kParticipant ? "participant" : "experimenter";
-    if (as != own) {
-      throw InvalidParameter("as", as, fmt::format("{}: the address is the {}'s", own, own));
+    if (as.text() != own) {
+      as.refuse(as.given(), fmt::format("{}: the address is the {}'s", own, own));
     }
     return true;
   }
   if (!joined) {
-    throw InvalidParameter("act", act, "join at first");
+    act.refuse(act.given(), "join at first");
   }
   if (role == StudyRole::kParticipant) {
-    handleParticipant(conductor, act, message);
+    handleParticipant(conductor, message);
   } else {
-    handleExperimenter(conductor, act, message);
+    handleExperimenter(conductor, message);
   }
   return true;
 }

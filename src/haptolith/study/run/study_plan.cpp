@@ -9,6 +9,7 @@
 #include <random>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/statistics.h"
 #include "haptolith/psychometrics/group/group.h"
 #include "haptolith/psychometrics/psychometric_figure.h"
 #include "haptolith/study/results/answers.h"
@@ -20,15 +21,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kConfidence = 0.95;   // of what simulations tell
 constexpr double kCloseEnough = 0.05;  // of the number of participants that is searched
-
-/// The value below which `share` of them lie.
-double quantile(std::vector<double> values, double share) {
-  std::ranges::sort(values);
-  const double place = share * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return std::lerp(values[below], values[above], place - static_cast<double>(below));
-}
 
 void validate(const StudyBlock& block, const std::vector<StudySize>& sizes, const PlanParameters& parameters) {
   if (block.procedure != ProcedureKind::kConstant || !isWeber(fitOptionsOf(block).sigmoid)) {

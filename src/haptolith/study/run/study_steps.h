@@ -26,6 +26,11 @@ enum class StudyPhase {
   kStopped,  ///< for today
 };
 
+/// Whether a trial is under way in this phase, or prepared.
+[[nodiscard]] inline bool isTrialPhase(StudyPhase phase) noexcept {
+  return phase == StudyPhase::kPreparing || phase == StudyPhase::kInterval || phase == StudyPhase::kQuestion;
+}
+
 /// One step of a participant's way: a page, a form, or a block's trials.
 struct StudyStep {
   StudyPhase phase = StudyPhase::kInstructions;  ///< kPreparing: a block's trials

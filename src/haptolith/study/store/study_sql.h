@@ -1,12 +1,15 @@
 #pragma once
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "haptolith/core/plain_text.h"
 
 namespace haptolith {
 
@@ -60,6 +63,13 @@ int execute(SQLite::Database& database, const std::string& sql, const Values&...
 
 [[nodiscard]] inline double numberOrNan(const SQLite::Column& column) {
   return column.isNull() ? std::nan("") : column.getDouble();
+}
+
+/// Somebody may have changed the file with another program. tellWhatIsWrong() adds the file's name, as to what SQLite
+/// throws.
+[[noreturn]] inline void throwForeign(std::string_view column, std::string_view value, std::string_view valid) {
+  throw SQLite::Exception(
+      fmt::format("it holds what haptolith does not write: {} = {}; must be {}", column, inQuotes(value), valid));
 }
 
 }  // namespace haptolith
