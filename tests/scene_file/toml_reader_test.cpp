@@ -59,7 +59,7 @@ template <class Read>
 std::string refusal(const Read& read) {
   try {
     read();
-  } catch (const ScenarioError& error) {
+  } catch (const TomlError& error) {
     return error.what();
   }
   return "accepted";

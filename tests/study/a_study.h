@@ -77,10 +77,10 @@ class AStudy : public testing::Test {
 
   static TrialAnswer answer(double reaction_s) {
     TrialAnswer answer{.positive = true, .correct = true, .reaction_s = reaction_s};
-    answer.felt[0].duration_s = 3.25;
-    answer.felt[0].peak_force_n = 7.5;
-    answer.felt[1].work_j = -0.5;
-    answer.felt[1].deadline_misses = 3;
+    answer.summaries[0].duration_s = 3.25;
+    answer.summaries[0].peak_force_n = 7.5;
+    answer.summaries[1].work_j = -0.5;
+    answer.summaries[1].deadline_misses = 3;
     return answer;
   }
 

@@ -237,8 +237,8 @@ TEST_F(ConductorTest, ShowsReferenceAndTestInThePlannedOrder) {
   EXPECT_EQ(row.kind, TrialKind::kPractice);
   EXPECT_TRUE(row.answer->positive);
   EXPECT_EQ(row.recording, "S01-friction-001-1");
-  EXPECT_EQ(row.answer->felt[0].mean_force_n, 1);  // as the rig says: how many stimuli it had shown
-  EXPECT_EQ(row.answer->felt[1].mean_force_n, 2);
+  EXPECT_EQ(row.answer->summaries[0].mean_force_n, 1);  // as the rig says: how many stimuli it had shown
+  EXPECT_EQ(row.answer->summaries[1].mean_force_n, 2);
 }
 
 TEST_F(ConductorTest, AnswersAboutTheTwoIntervalsAreTurnedToTheTest) {

@@ -36,20 +36,20 @@ TEST(Exploration, OfTheSameSeedFeelsTheSame) {
   const ExplorationOptions options{.rounds = 1, .seed = 7};
   const LevelBed bed = levelBed(paperScene());
   const Exploration once = explore(paperScene(), bed, options);
-  EXPECT_EQ(explore(paperScene(), options).felt.mean_force_n, once.felt.mean_force_n);
-  EXPECT_NE(explore(paperScene(), bed, {.rounds = 1, .seed = 8}).felt.mean_force_n, once.felt.mean_force_n);
+  EXPECT_EQ(explore(paperScene(), options).summary.mean_force_n, once.summary.mean_force_n);
+  EXPECT_NE(explore(paperScene(), bed, {.rounds = 1, .seed = 8}).summary.mean_force_n, once.summary.mean_force_n);
 }
 
 TEST(Exploration, WithoutVariationRepeatsItselfWhateverTheSeed) {
   const LevelBed bed = levelBed(paperScene());
   const Exploration one = explore(paperScene(), bed, {.rounds = 1, .seed = 1, .variation = 0});
   const Exploration other = explore(paperScene(), bed, {.rounds = 1, .seed = 2, .variation = 0});
-  EXPECT_EQ(one.felt.mean_force_n, other.felt.mean_force_n);
+  EXPECT_EQ(one.summary.mean_force_n, other.summary.mean_force_n);
 }
 
 TEST(Exploration, LastsItsRounds) {
   const Exploration done = explore(paperScene(), {.rounds = 3, .variation = 0});
-  EXPECT_NEAR(done.felt.duration_s, 3 * paperScene().hand.period_s, 0.002);
+  EXPECT_NEAR(done.summary.duration_s, 3 * paperScene().hand.period_s, 0.002);
 }
 
 TEST(Exploration, DrawsHandsAroundTheScenes) {
@@ -77,18 +77,19 @@ TEST(Exploration, FeelsTheSameWhenHandAndSoilAreMirrored) {
   ExploringHand hand{.hand = paperScene().hand};
   hand.hand.manoeuvre = Manoeuvre::kPress;
   hand.hand.home_m.y() = 0.004;
-  const double here_n = explore(paperScene(), bed, hand, 1).felt.mean_force_n;
+  const double here_n = explore(paperScene(), bed, hand, 1).summary.mean_force_n;
   hand.hand.home_m.y() = -0.004;
-  const double there_n = explore(paperScene(), bed, hand, 1).felt.mean_force_n;
+  const double there_n = explore(paperScene(), bed, hand, 1).summary.mean_force_n;
   hand.mirrored = true;
-  const double mirrored_n = explore(paperScene(), bed, hand, 1).felt.mean_force_n;
+  const double mirrored_n = explore(paperScene(), bed, hand, 1).summary.mean_force_n;
   EXPECT_NEAR(mirrored_n, here_n, 1e-5 * here_n);
   EXPECT_GT(std::abs(there_n - here_n), 1e-4 * here_n);
 }
 
 TEST(Exploration, MeetsMoreResistanceWhereThereIsMoreFriction) {
   const ExplorationOptions stir{.rounds = 1, .variation = 0};
-  EXPECT_GT(explore(paperScene("P1"), stir).felt.mean_force_n, 1.2 * explore(paperScene("P6"), stir).felt.mean_force_n);
+  EXPECT_GT(explore(paperScene("P1"), stir).summary.mean_force_n,
+            1.2 * explore(paperScene("P6"), stir).summary.mean_force_n);
 }
 
 TEST(Exploration, OnlyLiftingCarries) {
@@ -130,7 +131,7 @@ TEST(Exploration, FeelsHowHighSoilReaches) {
     const SceneFile scene = filled("soil-surface", depth_m);
     const LevelBed bed = levelBed(scene);
     // The tip is half the rod's length below its middle.
-    return explore(scene, bed, {.manoeuvre = Manoeuvre::kPress, .rounds = 2}).felt_up_to_m - 0.030 - bed.surface_m;
+    return explore(scene, bed, {.manoeuvre = Manoeuvre::kPress, .rounds = 2}).touched_up_to_m - 0.030 - bed.surface_m;
   };
   const double radius_m = findSceneFile("soil-surface").bed.soil.radius_m;
   for (const double depth_m : {0.028, 0.040, 0.052}) {
@@ -141,7 +142,7 @@ TEST(Exploration, FeelsHowHighSoilReaches) {
 TEST(Exploration, FeelsNoSoilAboveIt) {
   SceneFile above = filled("soil-surface", 0.028);
   above.hand.surface_m = 0.2;
-  EXPECT_TRUE(std::isnan(explore(above, {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).felt_up_to_m));
+  EXPECT_TRUE(std::isnan(explore(above, {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).touched_up_to_m));
 }
 
 TEST(Exploration, SeesWhatAScoopWithSidesCarries) {
@@ -185,12 +186,12 @@ TEST(Exploration, MeetsAStoneFromAnySideOfTheBed) {
   ASSERT_EQ(bed.lying.stones.size(), 1U);
   ExploringHand over_stone{.hand = scene.hand}, elsewhere{.hand = scene.hand};
   over_stone.hand.home_m.x() = elsewhere.hand.home_m.x() = 0.03;
-  const double over_n = explore(scene, bed, over_stone, 1).felt.peak_force_n;
+  const double over_n = explore(scene, bed, over_stone, 1).summary.peak_force_n;
   elsewhere.quarter_turns = 2;
-  EXPECT_GT(over_n, 1.5 * explore(scene, bed, elsewhere, 1).felt.peak_force_n);
+  EXPECT_GT(over_n, 1.5 * explore(scene, bed, elsewhere, 1).summary.peak_force_n);
   over_stone.quarter_turns = 1;  // the stone with its soil
   over_stone.hand.home_m = Vec3(0, 0.03, scene.hand.home_m.z());
-  EXPECT_NEAR(explore(scene, bed, over_stone, 1).felt.peak_force_n, over_n, 0.05 * over_n);
+  EXPECT_NEAR(explore(scene, bed, over_stone, 1).summary.peak_force_n, over_n, 0.05 * over_n);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     EXPECT_FALSE(exploringHand(scene, {.manoeuvre = Manoeuvre::kPress, .seed = seed}).mirrored);
   }

@@ -30,9 +30,9 @@ class FakeRig final : public Rig {
       throw std::logic_error("rests twice");
     }
     feels = false;
-    TrialSummary felt;
-    felt.mean_force_n = static_cast<double>(shown.size());
-    return felt;
+    TrialSummary trial;
+    trial.mean_force_n = static_cast<double>(shown.size());
+    return trial;
   }
   bool workIsDone() override {
     if (robot_is_lost) {

@@ -17,8 +17,8 @@ constexpr Sense kSense{.weber_fraction = 0.3, .threshold = 0.01};
 constexpr std::array kOneSense{kSense};
 
 /// Magnitudes that are proportional to x^power, without scatter.
-std::vector<FeltStimulus> powerLaw(double power) {
-  std::vector<FeltStimulus> stimuli;
+std::vector<SensedStimulus> powerLaw(double power) {
+  std::vector<SensedStimulus> stimuli;
   for (const double x : {0.6, 0.648, 0.735, 0.835, 1.0, 1.21}) {
     const double magnitude = 10 * std::pow(x, power);
     stimuli.push_back({.x = x, .magnitudes = {{magnitude}, {magnitude}}});
@@ -74,8 +74,8 @@ TEST(Discrimination, FindsNoWeberFractionWhereNothingIsToBeFelt) {
 
 TEST(Discrimination, OfTwoIndependentCuesAddsTheirSquares) {
   // Two cues that both are the stimulus: d grows by sqrt(2), and ln(1 + w) falls by as much.
-  std::vector<FeltStimulus> stimuli = powerLaw(1);
-  for (FeltStimulus& stimulus : stimuli) {
+  std::vector<SensedStimulus> stimuli = powerLaw(1);
+  for (SensedStimulus& stimulus : stimuli) {
     for (std::vector<double>& exploration : stimulus.magnitudes) {
       exploration.push_back(exploration.front());
     }
@@ -88,14 +88,14 @@ TEST(Discrimination, OfTwoIndependentCuesAddsTheirSquares) {
 
 TEST(Discrimination, TakesAwayWhatTwoCuesScatterTogether) {
   // The second cue says nothing of the stimulus but all of what scatters in the first.
-  std::vector<FeltStimulus> stimuli = powerLaw(1);
-  for (FeltStimulus& stimulus : stimuli) {
+  std::vector<SensedStimulus> stimuli = powerLaw(1);
+  for (SensedStimulus& stimulus : stimuli) {
     const double magnitude = stimulus.magnitudes.front().front();
     stimulus.magnitudes = {{magnitude / 8, 1. / 8}, {magnitude * 8, 8}};
   }
   const double alone = [&] {
-    std::vector<FeltStimulus> first = stimuli;
-    for (FeltStimulus& stimulus : first) {
+    std::vector<SensedStimulus> first = stimuli;
+    for (SensedStimulus& stimulus : first) {
       for (std::vector<double>& exploration : stimulus.magnitudes) {
         exploration.pop_back();
       }
@@ -115,8 +115,8 @@ TEST(Discrimination, HoldsTheTrueWeberFractionInItsInterval) {
   std::normal_distribution<double> normal;
   const double scatter = std::log(1.3);
   const auto study = [&](int explorations) {
-    std::vector<FeltStimulus> stimuli = powerLaw(1);
-    for (FeltStimulus& stimulus : stimuli) {
+    std::vector<SensedStimulus> stimuli = powerLaw(1);
+    for (SensedStimulus& stimulus : stimuli) {
       const double magnitude = stimulus.magnitudes.front().front();
       stimulus.magnitudes.clear();
       for (int i = 0; i < explorations; ++i) {
@@ -140,13 +140,13 @@ TEST(Discrimination, HoldsTheTrueWeberFractionInItsInterval) {
 TEST(Discrimination, RefusesNonsense) {
   EXPECT_THROW((void)discriminate(powerLaw(1), 3, std::array{kSense, kSense}), InvalidParameter);
   EXPECT_THROW((void)discriminate(powerLaw(1), 6, kOneSense), InvalidParameter);
-  EXPECT_THROW((void)discriminate(std::vector<FeltStimulus>(2), 0, kOneSense), InvalidParameter);
+  EXPECT_THROW((void)discriminate(std::vector<SensedStimulus>(2), 0, kOneSense), InvalidParameter);
 }
 
 /// Explorations of one cue whose sensations scatter by `scatter_jnds`.
-FeltStimulus scattering(double magnitude, int explorations, int cues, double scatter_jnds, std::mt19937_64& random) {
+SensedStimulus scattering(double magnitude, int explorations, int cues, double scatter_jnds, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  FeltStimulus stimulus;
+  SensedStimulus stimulus;
   for (int i = 0; i < explorations; ++i) {
     std::vector<double>& magnitudes = stimulus.magnitudes.emplace_back();
     for (int cue = 0; cue < cues; ++cue) {
@@ -157,7 +157,7 @@ FeltStimulus scattering(double magnitude, int explorations, int cues, double sca
 }
 
 TEST(PairDiscrimination, OfOneCueIsItsDiscriminability) {
-  const FeltStimulus a{.x = 0, .magnitudes = {{10}, {10}, {10}, {10}}},
+  const SensedStimulus a{.x = 0, .magnitudes = {{10}, {10}, {10}, {10}}},
       b{.x = 0, .magnitudes = {{13}, {13}, {13}, {13}}};
   EXPECT_NEAR(discriminatePair(a, b, kOneSense).jnds, 1, 1e-5);
   EXPECT_NEAR(discriminatePair(b, a, kOneSense).jnds, 1, 1e-5) << "the observer learns which way the cue goes";
@@ -170,7 +170,7 @@ TEST(PairDiscrimination, FindsNothingInNoise) {
   double sum = 0;
   constexpr int kStudies = 400;
   for (int study = 0; study < kStudies; ++study) {
-    const FeltStimulus a = scattering(10, 16, 5, 1, random), b = scattering(10, 16, 5, 1, random);
+    const SensedStimulus a = scattering(10, 16, 5, 1, random), b = scattering(10, 16, 5, 1, random);
     sum += discriminatePair(a, b, senses).jnds;
   }
   EXPECT_NEAR(sum / kStudies, 0, 0.06);
@@ -182,7 +182,7 @@ TEST(PairDiscrimination, HoldsTheTrueDistanceInItsInterval) {
   int held = 0;
   constexpr int kStudies = 100;
   for (int study = 0; study < kStudies; ++study) {
-    const FeltStimulus a = scattering(10, 16, 1, 0.5, random), b = scattering(16.9, 16, 1, 0.5, random);
+    const SensedStimulus a = scattering(10, 16, 1, 0.5, random), b = scattering(16.9, 16, 1, 0.5, random);
     const PairDiscrimination found = discriminatePair(a, b, kOneSense, {.resamplings = 100});
     held += static_cast<int>(found.interval.low <= truth && truth <= found.interval.high);
   }
@@ -191,7 +191,7 @@ TEST(PairDiscrimination, HoldsTheTrueDistanceInItsInterval) {
 }
 
 TEST(PairDiscrimination, RefusesNonsense) {
-  const FeltStimulus few{.x = 0, .magnitudes = {{10}, {10}, {10}}},
+  const SensedStimulus few{.x = 0, .magnitudes = {{10}, {10}, {10}}},
       enough{.x = 0, .magnitudes = {{10}, {10}, {10}, {10}}};
   EXPECT_THROW((void)discriminatePair(few, enough, kOneSense), InvalidParameter);
   EXPECT_THROW((void)discriminatePair(enough, enough, std::array{kSense, kSense}), InvalidParameter);

@@ -68,9 +68,9 @@ TEST_F(SessionRigTest, AStimulusIsThereButNotFeltBeforeItsInterval) {
   EXPECT_LT(rig_->force(), 1e-3);
   rig_->feel();
   ASSERT_TRUE(soon([&] { return rig_->force() > 0.5; }));
-  const TrialSummary felt = rig_->rest();
-  EXPECT_GT(felt.peak_force_n, 0.5);
-  EXPECT_GT(felt.duration_s, 0);
+  const TrialSummary summary = rig_->rest();
+  EXPECT_GT(summary.peak_force_n, 0.5);
+  EXPECT_GT(summary.duration_s, 0);
   ASSERT_TRUE(soon([&] { return rig_->force() < 1e-3; }));
 }
 

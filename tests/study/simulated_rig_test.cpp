@@ -25,12 +25,12 @@ TEST(SimulatedRig, FeelsTheStimulusThatIsShown) {
   rig.show(friction, friction.reference);
   ASSERT_TRUE(rig.ready());
   rig.feel();
-  const TrialSummary felt = rig.rest();
-  EXPECT_EQ(felt.mean_force_n, explore(sceneOf(protocol, friction, friction.reference), kStir).felt.mean_force_n);
+  const TrialSummary summary = rig.rest();
+  EXPECT_EQ(summary.mean_force_n, explore(sceneOf(protocol, friction, friction.reference), kStir).summary.mean_force_n);
 
   rig.show(friction, levelNamed(friction, "P1"));
   rig.feel();
-  EXPECT_GT(rig.rest().mean_force_n, 1.1 * felt.mean_force_n);
+  EXPECT_GT(rig.rest().mean_force_n, 1.1 * summary.mean_force_n);
 }
 
 TEST(SimulatedRig, ExploresAnewEachTime) {

@@ -201,10 +201,10 @@ TEST_F(Store, GivesBackWhatATrialWasAndWhatWasAnswered) {
   EXPECT_EQ(row.answer->correct, true);
   EXPECT_EQ(row.answer->reaction_s, 0.8125);
   EXPECT_EQ(row.recording, "S01-friction");
-  EXPECT_EQ(row.answer->felt[0].peak_force_n, 7.5);
-  EXPECT_TRUE(std::isnan(row.answer->felt[0].work_j));
-  EXPECT_EQ(row.answer->felt[1].work_j, -0.5);
-  EXPECT_EQ(row.answer->felt[1].deadline_misses, 3);
+  EXPECT_EQ(row.answer->summaries[0].peak_force_n, 7.5);
+  EXPECT_TRUE(std::isnan(row.answer->summaries[0].work_j));
+  EXPECT_EQ(row.answer->summaries[1].work_j, -0.5);
+  EXPECT_EQ(row.answer->summaries[1].deadline_misses, 3);
 }
 
 TEST_F(Store, TakesOneAnswerForATrial) {

@@ -69,7 +69,7 @@ TEST(TeleopProtocol, HasBlocksThatCompareNothing) {
   const StudyBlock block = load(kHead + kDig).blocks.front();
   ASSERT_TRUE(block.teleop);
   EXPECT_EQ(block.teleop->task, SiteTask::kTrench);
-  EXPECT_EQ(block.teleop->felt, TeleopFelt::kLearning);
+  EXPECT_EQ(block.teleop->force, TeleopForce::kLearning);
   EXPECT_EQ(block.teleop->round_trip_s, 2.6);
   EXPECT_EQ(block.teleop->site, "dig-site");
   EXPECT_EQ(block.reference.name, "learning 2.6 s");
@@ -80,13 +80,13 @@ TEST(TeleopProtocol, HasBlocksThatCompareNothing) {
 
 TEST(TeleopProtocol, ShipsWithEachFeelingUnderTwoDelays) {
   const ProtocolText text = findProtocol("teleop");
-  std::map<TeleopFelt, std::vector<double>> delays_s;
+  std::map<TeleopForce, std::vector<double>> delays_s;
   for (const StudyBlock& block : loadProtocolText(text.text, text.name).blocks) {
     ASSERT_TRUE(block.teleop);
-    delays_s[block.teleop->felt].push_back(block.teleop->round_trip_s);
+    delays_s[block.teleop->force].push_back(block.teleop->round_trip_s);
     const bool asks_trust =
         std::ranges::find(block.questionnaire, kTrustKey, &FormItem::key) != block.questionnaire.end();
-    EXPECT_EQ(asks_trust, block.teleop->felt != TeleopFelt::kNone) << "what is not felt is not trusted";
+    EXPECT_EQ(asks_trust, block.teleop->force != TeleopForce::kNone) << "what is not felt is not trusted";
   }
   EXPECT_THAT(delays_s, SizeIs(3));
   for (const auto& [felt, of] : delays_s) {

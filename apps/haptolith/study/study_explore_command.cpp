@@ -160,8 +160,8 @@ void saveCsv(const ExploreOptions& options, const PerceptionOptions& wanted,
           const Exploration& one = block.explorations[i][hand][repeat];
           file.write(fmt::format("{},{},{},{},{},{},{:.7g},{:.7g},{:.7g}", block.name,
                                  wordFor(kFrictionWords, block.friction), block.stimuli[i].name, block.stimuli[i].x,
-                                 wordFor(kManoeuvreWords, wanted.hands[hand]), repeat + 1, one.felt.duration_s,
-                                 one.felt.path_m, one.felt.work_j));
+                                 wordFor(kManoeuvreWords, wanted.hands[hand]), repeat + 1, one.summary.duration_s,
+                                 one.summary.path_m, one.summary.work_j));
           for (const Cue& cue : cues()) {
             file.write(fmt::format(",{:.7g}", cue.value(one)));
           }

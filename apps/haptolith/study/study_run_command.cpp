@@ -66,7 +66,7 @@ bool works(const StudyProtocol& protocol) {
 
 bool learns(const StudyProtocol& protocol) {
   return std::ranges::any_of(protocol.blocks, [](const StudyBlock& block) {
-    return block.teleop && block.teleop->felt == TeleopFelt::kLearning;
+    return block.teleop && block.teleop->force == TeleopForce::kLearning;
   });
 }
 

@@ -83,9 +83,9 @@ void TeleopRig::feel() {
     const LinkProfile link = linkOf(*work_);
     EndOptions end;
     end.sending = sendingOver(link.up, link.down);
-    lead_.emplace(
-        session_, robot_->address(), end,
-        Likening{.strength = work_->felt == TeleopFelt::kLearning, .surface = work_->felt == TeleopFelt::kLearning});
+    lead_.emplace(session_, robot_->address(), end,
+                  Likening{.strength = work_->force == TeleopForce::kLearning,
+                           .surface = work_->force == TeleopForce::kLearning});
     judge_.emplace(work_->task);
     silent_since_s_ = 0;
     state_ = RobotState::kTaring;

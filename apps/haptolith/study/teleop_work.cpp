@@ -25,10 +25,10 @@ TeleopSetup setupFor(const StudyProtocol& protocol, const StudyBlock& block, std
   setup.model.bed.seed += seed;
   setup.site.bed.seed += seed;
   setup.sending = sendingOver(link.up, link.down);
-  setup.feedback = work.felt == TeleopFelt::kNone ? Feedback::kNone : Feedback::kModel;
+  setup.feedback = work.force == TeleopForce::kNone ? Feedback::kNone : Feedback::kModel;
   setup.duration_s = block.interval_s;
   setup.task = work.task;
-  if (work.felt == TeleopFelt::kLearning) {
+  if (work.force == TeleopForce::kLearning) {
     setup.learns.emplace(probeTraining().runs);
     setup.mends = canMend(setup.model.bed);
   }
@@ -61,7 +61,7 @@ TeleopSummary summaryOf(const ForceAgreement& agreement, const std::optional<Mod
 
 SceneFile modelOf(const StudyProtocol& protocol, const StudyBlock& block) {
   SceneFile model = sceneOf(protocol, block, block.reference);
-  return block.teleop->felt == TeleopFelt::kLearning ? readyToLearn(model) : model;
+  return block.teleop->force == TeleopForce::kLearning ? readyToLearn(model) : model;
 }
 
 void SimulatedTeleopRig::prepare(const StudyBlock& block, const Stimulus& stimulus) {
@@ -87,11 +87,11 @@ void SimulatedTeleopRig::feel() {
   summary_.time_s = done ? result.task->done_s : work_->interval_s;
   summary_.reached = result.task->reached;
   summary_.stops = static_cast<double>(result.stops);
-  felt_ = {.duration_s = result.duration_s};
+  trial_summary_ = {.duration_s = result.duration_s};
 }
 
 TrialSummary SimulatedTeleopRig::rest() {
-  return work_ == nullptr ? other_->rest() : felt_;
+  return work_ == nullptr ? other_->rest() : trial_summary_;
 }
 
 }  // namespace haptolith

@@ -58,7 +58,7 @@ class SimulatedTeleopRig final : public Rig {
   TeleopProgress progress_;
   const StudyBlock* work_ = nullptr;  ///< the block that is shown, where it is work for a robot
   TeleopSummary summary_;
-  TrialSummary felt_;
+  TrialSummary trial_summary_;
 };
 
 }  // namespace haptolith

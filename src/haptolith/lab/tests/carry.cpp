@@ -42,7 +42,7 @@ ToolParameters shovelFor(const LabConditions& conditions, const CarryOptions& op
 }
 
 /// Means of what is felt while a phase goes on.
-struct Felt {
+struct MeanForce {
   double down_n = 0, back_n = 0, mass_kg = 0;
   double change_times_acceleration = 0, mass_acceleration_squared = 0;
   long steps = 0;
@@ -82,8 +82,8 @@ class Carried {
   }
 
   /// Moves the shovel as `velocity` says, by the time since the phase began.
-  Felt move(double duration_s, std::string_view what, const std::function<Vec3(double)>& velocity) {
-    Felt felt;
+  MeanForce move(double duration_s, std::string_view what, const std::function<Vec3(double)>& velocity) {
+    MeanForce mean;
     const double began = bed_.time();
     Vec3 before = velocity ? velocity(0) : Vec3(Vec3::Zero());
     const auto lead = [&] {
@@ -94,11 +94,11 @@ class Carried {
     lead();
     bed_.run(duration_s, what, [&] {
       const Vec3 now = velocity ? velocity(bed_.time() - began) : Vec3(Vec3::Zero());
-      note(felt, now, (now.z() - before.z()) / bed_.dt());
+      note(mean, now, (now.z() - before.z()) / bed_.dt());
       before = now;
       lead();
     });
-    return felt;
+    return mean;
   }
 
   [[nodiscard]] std::size_t carried() const {
@@ -143,19 +143,19 @@ class Carried {
     return soil;
   }
 
-  void note(Felt& felt, const Vec3& velocity, double acceleration_up) {
+  void note(MeanForce& mean, const Vec3& velocity, double acceleration_up) {
     if (bed_.time() >= counted_until_s_) {
       mass_kg_ = carriedMass();
       counted_until_s_ = bed_.time() + kBetweenRows_s;
     }
     const Vec3& force = bed_.toolWrench().force_n;
     const double weight = mass_kg_ * conditions_.gravity_m_s2;
-    felt.down_n -= force.z();
-    felt.back_n -= force.x();
-    felt.mass_kg += mass_kg_;
-    felt.change_times_acceleration += (-force.z() - weight) * acceleration_up;
-    felt.mass_acceleration_squared += mass_kg_ * acceleration_up * acceleration_up;
-    ++felt.steps;
+    mean.down_n -= force.z();
+    mean.back_n -= force.x();
+    mean.mass_kg += mass_kg_;
+    mean.change_times_acceleration += (-force.z() - weight) * acceleration_up;
+    mean.mass_acceleration_squared += mass_kg_ * acceleration_up * acceleration_up;
+    ++mean.steps;
 
     row_.down_n -= force.z();
     row_.back_n -= force.x();
@@ -173,7 +173,7 @@ class Carried {
   Vec3 start_;
   LabBed bed_;
   LabTrace trace_;
-  Felt row_;
+  MeanForce row_;
   double row_acceleration_ = 0;
   double mass_kg_ = 0;
   double counted_until_s_ = 0;
@@ -212,15 +212,15 @@ CarryResult carryTest(const LabConditions& conditions, const CarryOptions& optio
   CarryResult result;
   result.carried_kg = soil.carriedMass();
   soil.trace().rows.clear();
-  const Felt still = soil.move(1, "the shovel stands still", {});
+  const MeanForce still = soil.move(1, "the shovel stands still", {});
   const double before = soil.middle();
   soil.move(kStart_s, "the shovel starts", [&](double t) { return sideways(v * gently(t, kStart_s)); });
-  const Felt steady = soil.move(kSteady_s, "the shovel moves", [&](double) { return sideways(v); });
+  const MeanForce steady = soil.move(kSteady_s, "the shovel moves", [&](double) { return sideways(v); });
   soil.move(kStart_s, "the shovel stops", [&](double t) { return sideways(v * (1 - gently(t, kStart_s))); });
   soil.move(0.5, "the shovel stands still", {});
   const double after = soil.middle();
   const double periods = std::ceil(options.shake_hz);  // a second or one period
-  const Felt shaken = soil.move((2 + periods) / options.shake_hz, "the shovel is shaken", shaking);
+  const MeanForce shaken = soil.move((2 + periods) / options.shake_hz, "the shovel is shaken", shaking);
 
   result.weight_ratio = still.down() / (still.mass() * g);
   result.drag_ratio = steady.back() / (steady.mass() * g);

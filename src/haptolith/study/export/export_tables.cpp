@@ -127,7 +127,7 @@ std::vector<FilledColumn<TrialOf>> workColumns() {
   return columns;
 }
 
-std::vector<FilledColumn<TrialOf>> feltColumns() {
+std::vector<FilledColumn<TrialOf>> intervalColumns() {
   std::vector<FilledColumn<TrialOf>> columns;
   for (const std::size_t interval : {0, 1}) {
     const std::string name = interval == 0 ? "first" : "second";
@@ -135,12 +135,12 @@ std::vector<FilledColumn<TrialOf>> feltColumns() {
       const std::string full = fmt::format("{}_{}", name, number.name);
       columns.push_back(
           {{full, full, fmt::format("Of the {} stimulus: {}", name, number.meaning), std::string(number.unit)},
-           ofAnswer([=](const TrialAnswer& a) { return textOf(a.felt[interval].*number.value); })});
+           ofAnswer([=](const TrialAnswer& a) { return textOf(a.summaries[interval].*number.value); })});
     }
     const std::string full = name + "_deadline_misses";
     columns.push_back(
         {{full, full, fmt::format("Of the {} stimulus: ticks of the loop that came late.", name), ""},
-         ofAnswer([=](const TrialAnswer& a) { return fmt::format("{}", a.felt[interval].deadline_misses); })});
+         ofAnswer([=](const TrialAnswer& a) { return fmt::format("{}", a.summaries[interval].deadline_misses); })});
   }
   return columns;
 }
@@ -249,7 +249,7 @@ const std::vector<FilledColumn<TrialOf>>& filledTrialColumns() {
   static const std::vector<FilledColumn<TrialOf>> kColumns = [] {
     std::vector<FilledColumn<TrialOf>> all = designColumns();
     for (const std::vector<FilledColumn<TrialOf>>& more :
-         {answerColumns(), workColumns(), feltColumns(), recordColumns()}) {
+         {answerColumns(), workColumns(), intervalColumns(), recordColumns()}) {
       all.insert(all.end(), more.begin(), more.end());
     }
     return all;

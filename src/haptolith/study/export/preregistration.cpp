@@ -94,9 +94,9 @@ std::string teleopText(const StudyBlock& block) {
       "### {}\n\n- Each trial is work for a robot: \"{}\", in at most {:g} s.\n- Felt meanwhile: {}. The delay is {:g} "
       "s there and back.\n- {}",
       block.title.empty() ? block.name : block.title, goalOf(work.task), block.interval_s,
-      work.felt == TeleopFelt::kNone    ? "nothing"
-      : work.felt == TeleopFelt::kModel ? "a model of the soil, which stays as it is"
-                                        : "a model of the soil, which learns from what the robot meets and sees",
+      work.force == TeleopForce::kNone    ? "nothing"
+      : work.force == TeleopForce::kModel ? "a model of the soil, which stays as it is"
+                                          : "a model of the soil, which learns from what the robot meets and sees",
       work.round_trip_s, pluralise(block.repeats, "trial"));
   text +=
       block.practice_trials > 0 ? fmt::format(", after {} that count for nothing.\n", block.practice_trials) : ".\n";

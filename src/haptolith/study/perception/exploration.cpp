@@ -18,7 +18,7 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scene_file/scene_words.h"
-#include "haptolith/study/results/felt_summary.h"
+#include "haptolith/study/results/tick_summary.h"
 #include "haptolith/tool/tool_shape.h"
 
 namespace haptolith {
@@ -131,12 +131,12 @@ double massAbove(const Scene& scene) {
 }
 
 /// How high soil is felt, each time that a tool goes into it.
-class FeltHeight {
+class TouchHeight {
  public:
   void add(double height_m, double force_n) {
-    constexpr double kFelt_n = 0.1;    // well above the least that is noticed
+    constexpr double kTouch_n = 0.1;   // well above the least that is noticed
     constexpr double kClear_m = 0.01;  // so much higher, and it has left
-    if (force_n >= kFelt_n) {
+    if (force_n >= kTouch_n) {
       if (clear_) {
         highest_m_.push_back(height_m);
       }
@@ -263,9 +263,9 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
   VirtualHand hand(unpaced.hand, unpaced.bed.tick_s);
   HapticLoop loop(scene, hand, unpaced.loop, true, handlingOf(unpaced, *unpaced.hand.surface_m));
 
-  FeltSummary felt;
+  TickSummary summed;
   Mean carried_n, carried_kg;
-  FeltHeight felt_height;
+  TouchHeight touch_height;
   double lowest_m = std::numeric_limits<double>::infinity();
   std::vector<TickRecord> records;
   const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
@@ -276,9 +276,9 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
     }
     records.clear();
     loop.takeRecords(records);
-    felt.add(records.back());
+    summed.add(records.back());
     lowest_m = std::min(lowest_m, scene.toolPose().position_m.z());
-    felt_height.add(scene.toolPose().position_m.z(), records.back().sent.wrench.force_n.norm());
+    touch_height.add(scene.toolPose().position_m.z(), records.back().sent.wrench.force_n.norm());
     if (carries(scene.toolPose(), unpaced.hand)) {
       carried_n.add(-records.back().sent.wrench.force_n.z());
       if (tick % kTicksPerLook == 0) {
@@ -286,14 +286,14 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
       }
     }
   }
-  Exploration done{.felt = felt.summary()};
-  done.drag_n = done.felt.work_j / done.felt.path_m;
+  Exploration done{.summary = summed.summary()};
+  done.drag_n = done.summary.work_j / done.summary.path_m;
   done.carried_n = carried_n.value();
   done.carried_kg = carried_kg.value();
   done.seen = pictureOf(centresOf(before.grains), centresOf(scene.bed().lying().grains), unpaced.bed);
   done.seen.reached_m = bed.surface_m - lowest_m;
   done.seen.load_m = std::cbrt(done.carried_kg / unpaced.bed.soil.rho0_kg_m3);
-  done.felt_up_to_m = felt_height.mean();
+  done.touched_up_to_m = touch_height.mean();
   return done;
 }
 

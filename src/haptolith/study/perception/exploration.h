@@ -64,7 +64,7 @@ struct Picture {
 
 /// What a hand did and felt.
 struct Exploration {
-  TrialSummary felt;
+  TrialSummary summary;
   Picture seen = {};
   /// Work over path: the mean force against the movement, N.
   double drag_n = std::numeric_limits<double>::quiet_NaN();
@@ -75,7 +75,7 @@ struct Exploration {
   double carried_kg = std::numeric_limits<double>::quiet_NaN();
   /// How high over the floor the tool's origin came where it still felt soil, 0.1 N or more: mean over the times that
   /// it went into soil, m; NaN when it never did.
-  double felt_up_to_m = std::numeric_limits<double>::quiet_NaN();
+  double touched_up_to_m = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Explores soil by a script, as fast as the machine can: no clock, no device. The same arguments give the same

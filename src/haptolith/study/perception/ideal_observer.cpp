@@ -26,9 +26,10 @@ constexpr Sense kResistance{.weber_fraction = 0.19, .threshold = 0.04};
 constexpr Sense kWeight{.weber_fraction = 0.33, .threshold = 0.04};
 
 constexpr std::array kCues{
-    Cue{"mean force", "N", "mean force", kForce, [](const Exploration& e) { return e.felt.mean_force_n; }},
-    Cue{"peak force", "N", "greatest force", kForce, [](const Exploration& e) { return e.felt.peak_force_n; }},
-    Cue{"force sd", "N", "standard deviation of force", kForce, [](const Exploration& e) { return e.felt.force_sd_n; }},
+    Cue{"mean force", "N", "mean force", kForce, [](const Exploration& e) { return e.summary.mean_force_n; }},
+    Cue{"peak force", "N", "greatest force", kForce, [](const Exploration& e) { return e.summary.peak_force_n; }},
+    Cue{"force sd", "N", "standard deviation of force", kForce,
+        [](const Exploration& e) { return e.summary.force_sd_n; }},
     Cue{"drag", "N", "work over path", kResistance, [](const Exploration& e) { return e.drag_n; }},
     Cue{"weight", "N", "downward force while lifting", kWeight, [](const Exploration& e) { return e.carried_n; }},
 };
@@ -40,7 +41,7 @@ constexpr double kPerMm = 1e3;
 constexpr Sense kPlace{.weber_fraction = 0.09, .threshold = 6};
 constexpr std::array kPlaceCues{
     Cue{"felt up to", "mm", "how high soil is felt", kPlace,
-        [](const Exploration& e) { return kPerMm * e.felt_up_to_m; }},
+        [](const Exploration& e) { return kPerMm * e.touched_up_to_m; }},
 };
 
 /// Length as it is seen: 0.04 of a height of 55 mm at 84 % right (Ernst and Banks 2002), and a minute of arc, what a
@@ -85,23 +86,23 @@ struct JointMoments {
   Eigen::MatrixXd covariance;
 };
 
-JointMoments sensations(const FeltStimulus& stimulus, std::span<const Sense> senses) {
+JointMoments sensations(const SensedStimulus& stimulus, std::span<const Sense> senses) {
   const auto count = static_cast<Eigen::Index>(stimulus.magnitudes.size());
   const auto cues = static_cast<Eigen::Index>(senses.size());
-  Eigen::MatrixXd felt(count, cues);
+  Eigen::MatrixXd sensed(count, cues);
   for (Eigen::Index row = 0; row < count; ++row) {
     for (Eigen::Index cue = 0; cue < cues; ++cue) {
-      felt(row, cue) = sensation(stimulus.magnitudes[static_cast<std::size_t>(row)][static_cast<std::size_t>(cue)],
-                                 senses[static_cast<std::size_t>(cue)]);
+      sensed(row, cue) = sensation(stimulus.magnitudes[static_cast<std::size_t>(row)][static_cast<std::size_t>(cue)],
+                                   senses[static_cast<std::size_t>(cue)]);
     }
   }
-  JointMoments moments{.mean = felt.colwise().mean().transpose(), .covariance = {}};
-  felt.rowwise() -= moments.mean.transpose();
-  moments.covariance = felt.transpose() * felt / static_cast<double>(count - 1);
+  JointMoments moments{.mean = sensed.colwise().mean().transpose(), .covariance = {}};
+  sensed.rowwise() -= moments.mean.transpose();
+  moments.covariance = sensed.transpose() * sensed / static_cast<double>(count - 1);
   return moments;
 }
 
-void requireMagnitudes(const FeltStimulus& stimulus, std::size_t senses) {
+void requireMagnitudes(const SensedStimulus& stimulus, std::size_t senses) {
   for (const std::vector<double>& exploration : stimulus.magnitudes) {
     if (exploration.size() != senses) {
       throw InvalidParameter("magnitudes of an exploration", fmt::format("{}", exploration.size()),
@@ -110,13 +111,13 @@ void requireMagnitudes(const FeltStimulus& stimulus, std::size_t senses) {
   }
 }
 
-void validate(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses) {
+void validate(std::span<const SensedStimulus> stimuli, std::size_t reference, std::span<const Sense> senses) {
   if (stimuli.size() < 3 || reference >= stimuli.size()) {
     throw InvalidParameter("stimuli", fmt::format("{}, with reference {}", stimuli.size(), reference),
                            "3 or more, one of them the reference");
   }
   requireInRange("number of senses", static_cast<double>(senses.size()), {1, 100});
-  for (const FeltStimulus& stimulus : stimuli) {
+  for (const SensedStimulus& stimulus : stimuli) {
     requireInRange("explorations of a stimulus", static_cast<double>(stimulus.magnitudes.size()), {2, 1e6});
     requireMagnitudes(stimulus, senses.size());
   }
@@ -129,21 +130,21 @@ double apart(const JointMoments& a, const JointMoments& b, const Eigen::VectorXd
 }
 
 /// The best weights for telling on which side of the reference stimuli are.
-Eigen::VectorXd learntWeights(std::span<const FeltStimulus> stimuli, std::size_t reference,
-                              std::span<const JointMoments> felt) {
-  const auto cues = felt[reference].mean.size();
+Eigen::VectorXd learntWeights(std::span<const SensedStimulus> stimuli, std::size_t reference,
+                              std::span<const JointMoments> sensed) {
+  const auto cues = sensed[reference].mean.size();
   Eigen::VectorXd trend = Eigen::VectorXd::Zero(cues);
   Eigen::MatrixXd noise = Eigen::MatrixXd::Identity(cues, cues);
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
-    trend += std::log(stimuli[i].x / stimuli[reference].x) * (felt[i].mean - felt[reference].mean);
-    noise += 2.0 / static_cast<double>(stimuli.size()) * felt[i].covariance;
+    trend += std::log(stimuli[i].x / stimuli[reference].x) * (sensed[i].mean - sensed[reference].mean);
+    noise += 2.0 / static_cast<double>(stimuli.size()) * sensed[i].covariance;
   }
   const Eigen::VectorXd weights = noise.ldlt().solve(trend);
   return weights.norm() > 0 ? Eigen::VectorXd(weights.normalized()) : Eigen::VectorXd::Ones(cues).normalized();
 }
 
 /// The Weber fraction of (paper 22) for the shares Phi(d) of answers, and the most that the fit allows.
-void fitWeber(std::span<const FeltStimulus> stimuli, std::size_t reference, Discrimination& found) {
+void fitWeber(std::span<const SensedStimulus> stimuli, std::size_t reference, Discrimination& found) {
   constexpr double kAnswers = 1000;  // whole numbers of answers near enough to the shares
   std::vector<Level> levels;
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
@@ -165,19 +166,19 @@ void fitWeber(std::span<const FeltStimulus> stimuli, std::size_t reference, Disc
   }
 }
 
-Discrimination judged(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses) {
-  std::vector<JointMoments> felt;
-  felt.reserve(stimuli.size());
-  for (const FeltStimulus& stimulus : stimuli) {
-    felt.push_back(sensations(stimulus, senses));
+Discrimination judged(std::span<const SensedStimulus> stimuli, std::size_t reference, std::span<const Sense> senses) {
+  std::vector<JointMoments> sensed;
+  sensed.reserve(stimuli.size());
+  for (const SensedStimulus& stimulus : stimuli) {
+    sensed.push_back(sensations(stimulus, senses));
   }
-  const Eigen::VectorXd weights = learntWeights(stimuli, reference, felt);
+  const Eigen::VectorXd weights = learntWeights(stimuli, reference, sensed);
   Discrimination found;
   found.weights.assign(weights.begin(), weights.end());
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
-    found.jnds.push_back(i == reference ? 0 : apart(felt[reference], felt[i], weights));
+    found.jnds.push_back(i == reference ? 0 : apart(sensed[reference], sensed[i], weights));
     if (i > 0) {
-      found.steps.push_back(apart(felt[i - 1], felt[i], weights));
+      found.steps.push_back(apart(sensed[i - 1], sensed[i], weights));
     }
   }
   fitWeber(stimuli, reference, found);
@@ -185,8 +186,8 @@ Discrimination judged(std::span<const FeltStimulus> stimuli, std::size_t referen
 }
 
 /// Every second exploration, from the first or from the second on.
-FeltStimulus half(const FeltStimulus& whole, std::size_t first) {
-  FeltStimulus part{.x = whole.x};
+SensedStimulus half(const SensedStimulus& whole, std::size_t first) {
+  SensedStimulus part{.x = whole.x};
   for (std::size_t i = first; i < whole.magnitudes.size(); i += 2) {
     part.magnitudes.push_back(whole.magnitudes[i]);
   }
@@ -201,7 +202,7 @@ double learntAndJudged(const std::array<JointMoments, 2>& learnt, const std::arr
 }
 
 /// @param halves  of the reference, then of the test.
-double judgedPair(const std::array<std::vector<FeltStimulus>, 2>& halves, std::span<const Sense> senses) {
+double judgedPair(const std::array<std::vector<SensedStimulus>, 2>& halves, std::span<const Sense> senses) {
   std::array<std::array<JointMoments, 2>, 2> moments;
   for (std::size_t part = 0; part < 2; ++part) {
     for (std::size_t stimulus = 0; stimulus < 2; ++stimulus) {
@@ -212,8 +213,8 @@ double judgedPair(const std::array<std::vector<FeltStimulus>, 2>& halves, std::s
 }
 
 /// As many explorations of each stimulus, drawn from those that there are.
-std::vector<FeltStimulus> resampled(std::span<const FeltStimulus> stimuli, std::mt19937_64& random) {
-  std::vector<FeltStimulus> drawn(stimuli.begin(), stimuli.end());
+std::vector<SensedStimulus> resampled(std::span<const SensedStimulus> stimuli, std::mt19937_64& random) {
+  std::vector<SensedStimulus> drawn(stimuli.begin(), stimuli.end());
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
     const std::vector<std::vector<double>>& from = stimuli[i].magnitudes;
     for (std::vector<double>& exploration : drawn[i].magnitudes) {
@@ -264,11 +265,11 @@ double discriminability(std::span<const double> a, std::span<const double> b, co
   return (of_b.mean - of_a.mean) / std::sqrt(1 + of_a.variance + of_b.variance);
 }
 
-PairDiscrimination discriminatePair(const FeltStimulus& reference, const FeltStimulus& test,
+PairDiscrimination discriminatePair(const SensedStimulus& reference, const SensedStimulus& test,
                                     std::span<const Sense> senses, const ObserverOptions& options) {
-  std::array<std::vector<FeltStimulus>, 2> halves;
+  std::array<std::vector<SensedStimulus>, 2> halves;
   for (std::size_t i = 0; i < 2; ++i) {
-    const FeltStimulus& whole = i == 0 ? reference : test;
+    const SensedStimulus& whole = i == 0 ? reference : test;
     requireInRange("explorations of a stimulus", static_cast<double>(whole.magnitudes.size()), {4, 1e6});
     requireMagnitudes(whole, senses.size());
     halves[i] = {half(whole, 0), half(whole, 1)};
@@ -283,8 +284,8 @@ PairDiscrimination discriminatePair(const FeltStimulus& reference, const FeltSti
   return found;
 }
 
-Discrimination discriminate(std::span<const FeltStimulus> stimuli, std::size_t reference, std::span<const Sense> senses,
-                            const ObserverOptions& options) {
+Discrimination discriminate(std::span<const SensedStimulus> stimuli, std::size_t reference,
+                            std::span<const Sense> senses, const ObserverOptions& options) {
   validate(stimuli, reference, senses);
   Discrimination found = judged(stimuli, reference, senses);
   if (options.resamplings > 0) {

@@ -59,7 +59,7 @@ struct SeenCue {
 [[nodiscard]] std::span<const SeenCue> seenCues();
 
 /// What one stimulus feels like.
-struct FeltStimulus {
+struct SensedStimulus {
   double x = 0;  ///< on the axis of the psychometric function, > 0
   /// [exploration][cue], each in the unit of its cue.
   std::vector<std::vector<double>> magnitudes = {};
@@ -98,7 +98,7 @@ struct Discrimination {
 /// @param reference  which of them the others are compared with.
 /// @param senses     one for each cue.
 /// @throws InvalidParameter for other numbers of them, and as fitPsychometric().
-[[nodiscard]] Discrimination discriminate(std::span<const FeltStimulus> stimuli, std::size_t reference,
+[[nodiscard]] Discrimination discriminate(std::span<const SensedStimulus> stimuli, std::size_t reference,
                                           std::span<const Sense> senses, const ObserverOptions& options = {});
 
 /// Of two stimuli alone, in JNDs.
@@ -116,7 +116,7 @@ struct PairDiscrimination {
 /// Each cue has its weight as if it scattered by itself: few explorations do not tell how cues scatter together, and
 /// weights that believe they do are worse (Dudoit, Fridlyand and Speed 2002, J. Am. Stat. Assoc. 97:77).
 /// @throws InvalidParameter for fewer than four explorations of one, or other numbers of magnitudes than of senses.
-[[nodiscard]] PairDiscrimination discriminatePair(const FeltStimulus& reference, const FeltStimulus& test,
+[[nodiscard]] PairDiscrimination discriminatePair(const SensedStimulus& reference, const SensedStimulus& test,
                                                   std::span<const Sense> senses, const ObserverOptions& options = {});
 
 /// d' of an observer for whom two stimuli are so many JNDs apart. Of two intervals the right one is found in a share

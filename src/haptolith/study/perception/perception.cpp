@@ -118,26 +118,26 @@ struct HandsCue {
   const Cue* cue = nullptr;
 };
 
-std::vector<FeltStimulus> feltBy(const PerceptionBlock& block, std::span<const HandsCue> judged) {
-  std::vector<FeltStimulus> felt;
-  felt.reserve(block.stimuli.size());
+std::vector<SensedStimulus> sensedBy(const PerceptionBlock& block, std::span<const HandsCue> judged) {
+  std::vector<SensedStimulus> sensed;
+  sensed.reserve(block.stimuli.size());
   for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
-    FeltStimulus stimulus{.x = block.stimuli[i].x};
+    SensedStimulus stimulus{.x = block.stimuli[i].x};
     stimulus.magnitudes.resize(block.explorations[i].front().size());
     for (std::size_t repeat = 0; repeat < stimulus.magnitudes.size(); ++repeat) {
       for (const HandsCue& one : judged) {
         stimulus.magnitudes[repeat].push_back(one.cue->value(block.explorations[i][one.hand][repeat]));
       }
     }
-    felt.push_back(std::move(stimulus));
+    sensed.push_back(std::move(stimulus));
   }
-  return felt;
+  return sensed;
 }
 
 /// Mean and standard deviation of a cue, of each stimulus.
 PerceivedCue statisticsOf(const PerceptionBlock& block, const HandsCue& of) {
   PerceivedCue one{.hand = {}, .cue = of.cue, .means = {}, .deviations = {}, .discrimination = {}};
-  for (const FeltStimulus& stimulus : feltBy(block, std::span(&of, 1))) {
+  for (const SensedStimulus& stimulus : sensedBy(block, std::span(&of, 1))) {
     std::vector<double> magnitudes;
     for (const std::vector<double>& exploration : stimulus.magnitudes) {
       magnitudes.push_back(exploration.front());
@@ -208,7 +208,7 @@ std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vect
       senses.push_back({.weber_fraction = options.sense_scale * one.cue->sense.weber_fraction,
                         .threshold = options.sense_scale * one.cue->sense.threshold});
     }
-    return discriminate(feltBy(block, judged), block.reference, senses, options.observer);
+    return discriminate(sensedBy(block, judged), block.reference, senses, options.observer);
   };
   std::vector<HandsCue> of_all_hands;
   for (std::size_t hand = 0; hand < hands.size(); ++hand) {

@@ -17,11 +17,13 @@ namespace {
 struct AnyCue {
   std::string_view name, unit;
   Sense sense;
-  double (*felt)(const Exploration&) = nullptr;
+  double (*sensed)(const Exploration&) = nullptr;
   double (*seen)(const Picture&) = nullptr;
   bool of_tool = false;
 
-  [[nodiscard]] double operator()(const Exploration& one) const { return felt != nullptr ? felt(one) : seen(one.seen); }
+  [[nodiscard]] double operator()(const Exploration& one) const {
+    return sensed != nullptr ? sensed(one) : seen(one.seen);
+  }
 };
 
 using Explorations = std::vector<Exploration>;
@@ -52,8 +54,8 @@ std::vector<AnyCue> cuesOf(const std::vector<Explorations>& stimuli, bool seen, 
   return all;
 }
 
-FeltStimulus magnitudesOf(const Explorations& explorations, std::span<const AnyCue> cues) {
-  FeltStimulus stimulus;
+SensedStimulus magnitudesOf(const Explorations& explorations, std::span<const AnyCue> cues) {
+  SensedStimulus stimulus;
   for (const Exploration& one : explorations) {
     std::vector<double>& magnitudes = stimulus.magnitudes.emplace_back();
     for (const AnyCue& cue : cues) {
@@ -127,7 +129,7 @@ TaskPerception perceiveTask(const StudyProtocol& protocol, const StudyBlock& blo
                        .duration_s = options.rounds * protocol.scene.hand.period_s,
                        .levels = {},
                        .cues = {}};
-  const std::vector<AnyCue> felt = cuesOf(explored, false, options.perceive.sense_scale);
+  const std::vector<AnyCue> sensed = cuesOf(explored, false, options.perceive.sense_scale);
   const std::vector<AnyCue> seen = cuesOf(explored, true, options.perceive.sense_scale);
   std::vector<AnyCue> seen_of_soil = seen;
   std::erase_if(seen_of_soil, [](const AnyCue& cue) { return cue.of_tool; });
@@ -135,11 +137,11 @@ TaskPerception perceiveTask(const StudyProtocol& protocol, const StudyBlock& blo
     found.levels.push_back(
         {.name = block.levels[i].name,
          .value = block.levels[i].value,
-         .force = detectability(explored[0], explored[i + 1], felt, options.perceive.observer),
+         .force = detectability(explored[0], explored[i + 1], sensed, options.perceive.observer),
          .picture = detectability(explored[0], explored[i + 1], seen, options.perceive.observer),
          .soil_picture = detectability(explored[0], explored[i + 1], seen_of_soil, options.perceive.observer)});
   }
-  for (const std::vector<AnyCue>* cues : {&felt, &seen}) {
+  for (const std::vector<AnyCue>* cues : {&sensed, &seen}) {
     for (const AnyCue& cue : *cues) {
       TaskCue mean{.name = std::string(cue.name),
                    .unit = std::string(cue.unit),

@@ -154,7 +154,7 @@ void requireTeleop(const StudyProtocol& protocol, const StudyBlock& block) {
   const SceneFile model = sceneOf(protocol, block, block.reference);
   const bool can_learn =
       protocol.scene.bed.soil.friction == FrictionModel::kContact && model.bed.soil.friction == FrictionModel::kContact;
-  if (work.felt == TeleopFelt::kLearning && !can_learn) {
+  if (work.force == TeleopForce::kLearning && !can_learn) {
     throw InvalidParameter("felt", "learning", "model or none where the study's scene has no contact friction");
   }
   if (const double tick_s = findSceneFile(work.site).loop.tick_s; tick_s != model.loop.tick_s) {
@@ -180,7 +180,7 @@ StudyBlock readTeleopBlock(const TomlReader& reader, const StudyProtocol& protoc
     reader.refuseKey({"", "interval_s"}, "> 0: with [block.teleop] it is the time limit of a task");
   }
   block.axis_label = "delay there and back (s)";
-  block.reference.name = fmt::format("{} {:g} s", teleopFeltWord(block.teleop->felt), block.teleop->round_trip_s);
+  block.reference.name = fmt::format("{} {:g} s", teleopForceWord(block.teleop->force), block.teleop->round_trip_s);
   block.reference.value = block.teleop->round_trip_s;
   block.levels = {block.reference};
   reader.check(blockKeys(), "teleop", [&] { requireTeleop(protocol, block); });

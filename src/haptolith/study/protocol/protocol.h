@@ -47,13 +47,13 @@ struct FormItem {
 
 /// What the hand feels while a robot far away does the work. kNone: nothing; kModel: soil of its own, which stays as it
 /// is; kLearning: soil of its own, which becomes like what the robot meets.
-enum class TeleopFelt { kNone, kModel, kLearning };
+enum class TeleopForce { kNone, kModel, kLearning };
 
 /// What the trials of a block are where they compare nothing: a task at the site of a robot, which is led over a link
 /// with delay. What is felt is the block's scene.
 struct TeleopWork {
   SiteTask task = SiteTask::kTrench;
-  TeleopFelt felt = TeleopFelt::kLearning;
+  TeleopForce force = TeleopForce::kLearning;
   double round_trip_s = 0;
   std::string site = "dig-site";  ///< built-in scene that the robot digs in
 };

@@ -66,10 +66,10 @@ constexpr std::array kProcedureWords{
 };
 
 constexpr Range kRoundTrip_s{0, 20};
-constexpr std::array kTeleopFeltWords{
-    SceneWord{"none", TeleopFelt::kNone},
-    SceneWord{"model", TeleopFelt::kModel},
-    SceneWord{"learning", TeleopFelt::kLearning},
+constexpr std::array kTeleopForceWords{
+    SceneWord{"none", TeleopForce::kNone},
+    SceneWord{"model", TeleopForce::kModel},
+    SceneWord{"learning", TeleopForce::kLearning},
 };
 
 constexpr std::array kTargetWords{
@@ -410,7 +410,7 @@ std::vector<BlockKey> teleopKeys() {
           "task", &TeleopWork::task, kSiteTaskWords,
           "What is to be done at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the "
           "soil with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."),
-      teleop.word("felt", &TeleopWork::felt, kTeleopFeltWords,
+      teleop.word("felt", &TeleopWork::force, kTeleopForceWords,
                   "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one "
                   "that learns from what the robot meets and sees."),
       teleop.number("round_trip_s", &TeleopWork::round_trip_s, kRoundTrip_s,
@@ -484,8 +484,8 @@ std::span<const ItemKey> itemKeys() {
   return kKeys;
 }
 
-std::string_view teleopFeltWord(TeleopFelt felt) {
-  return wordFor(kTeleopFeltWords, felt);
+std::string_view teleopForceWord(TeleopForce force) {
+  return wordFor(kTeleopForceWords, force);
 }
 
 std::span<const SceneNumber> sceneNumbers() {

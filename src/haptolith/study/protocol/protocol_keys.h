@@ -48,7 +48,7 @@ using ItemKey = FileKey<FormItem>;
 [[nodiscard]] std::span<const ItemKey> itemKeys();
 
 /// "none", "model" or "learning".
-[[nodiscard]] std::string_view teleopFeltWord(TeleopFelt felt);
+[[nodiscard]] std::string_view teleopForceWord(TeleopForce force);
 
 /// A number of the scene, other than the soil's, that a block may set or vary.
 struct SceneNumber {

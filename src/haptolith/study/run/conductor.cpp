@@ -272,7 +272,7 @@ void Conductor::answer(int choice) {
     given.correct = given.positive == (test.value > block().reference.value);
   }
   given.reaction_s = elapsed();
-  given.felt = trial_->felt;
+  given.summaries = trial_->summaries;
   unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
   guarded([this] { finishTrial(); });
 }

@@ -77,8 +77,8 @@ class Conductor {
   /// Trials of this participant, in the order in which they began.
   [[nodiscard]] const std::vector<TrialRow>& trials() const noexcept { return rows_; }
   /// At a question: what was done and felt in the two intervals.
-  [[nodiscard]] std::array<TrialSummary, 2> felt() const {
-    return trial_ ? trial_->felt : std::array<TrialSummary, 2>{};
+  [[nodiscard]] std::array<TrialSummary, 2> summaries() const {
+    return trial_ ? trial_->summaries : std::array<TrialSummary, 2>{};
   }
   [[nodiscard]] const StudyStore& store() const noexcept { return store_; }
   [[nodiscard]] const Rig& rig() const noexcept { return rig_; }
@@ -119,7 +119,7 @@ class Conductor {
     int index = 0;
     std::int64_t id = 0;
     int interval = 0;
-    std::array<TrialSummary, 2> felt = {};
+    std::array<TrialSummary, 2> summaries = {};
     std::string recording = {};
     bool recording_runs = false;
   };

@@ -231,11 +231,12 @@ void Conductor::prepareInterval(int interval) {
 
 void Conductor::endInterval() {
   const TeleopSummary work = rig_.work();
-  trial_->felt[static_cast<std::size_t>(trial_->interval - 1)] = rig_.rest();
+  trial_->summaries[static_cast<std::size_t>(trial_->interval - 1)] = rig_.rest();
   stopRecording();
   if (block().teleop) {
     enter(StudyPhase::kQuestion);  // that nobody is asked: the answer waits there when it cannot be written
-    TrialAnswer given{.reaction_s = std::numeric_limits<double>::quiet_NaN(), .felt = trial_->felt, .teleop = work};
+    TrialAnswer given{
+        .reaction_s = std::numeric_limits<double>::quiet_NaN(), .summaries = trial_->summaries, .teleop = work};
     unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
     finishTrial();
   } else if (trial_->interval == 1) {

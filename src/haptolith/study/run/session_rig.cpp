@@ -36,7 +36,7 @@ void SessionRig::follow(const std::vector<TickRecord>& ticks) {
 
 void SessionRig::show(const StudyBlock& block, const Stimulus& stimulus) {
   feels_ = false;
-  touches_ = !block.teleop || block.teleop->felt != TeleopFelt::kNone;
+  touches_ = !block.teleop || block.teleop->force != TeleopForce::kNone;
   session_.touch(false);
   session_.show(std::array{block.scene, stimulus.change});
 }

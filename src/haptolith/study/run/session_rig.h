@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "haptolith/session/session.h"
-#include "haptolith/study/results/felt_summary.h"
+#include "haptolith/study/results/tick_summary.h"
 #include "haptolith/study/run/rig.h"
 
 namespace haptolith {
@@ -44,7 +44,7 @@ class SessionRig final : public Rig {
   Session& session_;
   Recorder recorder_;
   bool feels_ = false, touches_ = true, squeezed_ = false;
-  FeltSummary felt_;
+  TickSummary felt_;
   std::uint32_t buttons_ = 0;
 };
 

@@ -46,11 +46,11 @@ std::string anyAnswerTo(const FormItem& item, std::mt19937_64& random) {
   return fmt::format("{}", !lowest ? cut : item.low < item.high ? item.low : cut - 1);
 }
 
-double judged(const TrialSummary& felt, JudgedBy by) {
+double judged(const TrialSummary& summary, JudgedBy by) {
   switch (by) {
-    case JudgedBy::kMeanForce: return felt.mean_force_n;
-    case JudgedBy::kPeakForce: return felt.peak_force_n;
-    default: return felt.work_j;
+    case JudgedBy::kMeanForce: return summary.mean_force_n;
+    case JudgedBy::kPeakForce: return summary.peak_force_n;
+    default: return summary.work_j;
   }
 }
 
@@ -103,11 +103,11 @@ bool SimulatedObserver::saysMore(double test, double reference, double factor) {
   const double learnt = std::exp(-trials_++ / observer_.learning_trials);
   const double w = factor * observer_.weber_fraction * (1 + observer_.learning * learnt);
   const double noise = std::log1p(w) / std::numbers::sqrt2;
-  const double felt_test = std::log(test) + std::log1p(observer_.bias) + noise * normal(random_);
-  const double felt_reference = std::log(reference) + noise * normal(random_);
+  const double sensed_test = std::log(test) + std::log1p(observer_.bias) + noise * normal(random_);
+  const double sensed_reference = std::log(reference) + noise * normal(random_);
   const bool is_blind = share(random_) < 2 * observer_.lapse;
   const bool guess = share(random_) < 0.5;
-  return is_blind ? guess : felt_test > felt_reference;
+  return is_blind ? guess : sensed_test > sensed_reference;
 }
 
 void SimulatedParticipant::takePart(Conductor& conductor) {
@@ -172,9 +172,9 @@ int SimulatedParticipant::choose(const Conductor& conductor, const StudyState& n
   double test = trial.test->value;
   double reference = trial.block->reference.value;
   if (by_ != JudgedBy::kValue) {
-    const std::array<TrialSummary, 2> felt = conductor.felt();
-    test = judged(felt[trial.test_first ? 0 : 1], by_);
-    reference = judged(felt[trial.test_first ? 1 : 0], by_);
+    const std::array<TrialSummary, 2> summaries = conductor.summaries();
+    test = judged(summaries[trial.test_first ? 0 : 1], by_);
+    reference = judged(summaries[trial.test_first ? 1 : 0], by_);
     if (!(test > 0 && reference > 0)) {
       throw Failure(
           fmt::format("block {}: the hand felt {:g} of the test and {:g} of the reference, and a simulated "

@@ -38,7 +38,7 @@ TrialSummary SimulatedRig::rest() {
   feels_ = false;
   const Exploration explored = explore(shown_[now_].scene, shown_[now_].bed, next_);
   ++next_.seed;
-  return explored.felt;
+  return explored.summary;
 }
 
 }  // namespace haptolith

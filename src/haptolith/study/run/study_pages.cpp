@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto kBetweenMessages = 100ms;
 
-bool isFelt(const StudyState& moment) {
+bool isPresented(const StudyState& moment) {
   return moment.phase == StudyPhase::kInterval && !moment.paused;
 }
 
@@ -34,12 +34,12 @@ std::string StudyPages::refusal(std::uint32_t client, Wish wish) const {
   if (!takes_part || wish != Wish::kHoldTool) {
     return "a study is running: nobody changes the scene";
   }
-  return isFelt(conductor_.state()) ? "" : "there is nothing to feel now";
+  return isPresented(conductor_.state()) ? "" : "there is nothing to feel now";
 }
 
 StudyPages::News StudyPages::news(double force_n) {
   News news;
-  const bool feels = isFelt(conductor_.state());
+  const bool feels = isPresented(conductor_.state());
   if (feels && !feels_) {
     peak_force_n_ = 0;
   }

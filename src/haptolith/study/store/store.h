@@ -20,7 +20,7 @@
 
 namespace haptolith {
 
-/// How a stimulus was explored and what the hand felt. NaN: not known.
+/// How a stimulus was explored and of the forces on the hand. NaN: not known.
 struct TrialSummary {
   double duration_s = std::numeric_limits<double>::quiet_NaN();
   double path_m = std::numeric_limits<double>::quiet_NaN();  ///< of the tool
@@ -83,13 +83,13 @@ struct TrialBegun {
 };
 
 struct TrialAnswer {
-  bool positive = false;               ///< the test was said to have more; means nothing when timed_out
-  std::optional<bool> correct = {};    ///< none: the test has as much as the reference, or no answer came
-  double reaction_s = 0;               ///< from the question to the answer
-  bool timed_out = false;              ///< no answer came in time
-  std::array<TrialSummary, 2> felt{};  ///< in the first and in the second interval
+  bool positive = false;                    ///< the test was said to have more; means nothing when timed_out
+  std::optional<bool> correct = {};         ///< none: the test has as much as the reference, or no answer came
+  double reaction_s = 0;                    ///< from the question to the answer
+  bool timed_out = false;                   ///< no answer came in time
+  std::array<TrialSummary, 2> summaries{};  ///< in the first and in the second interval
   std::optional<TeleopSummary> teleop =
-      {};  ///< of work for a robot, where nothing is asked: only felt[0] counts beside it
+      {};  ///< of work for a robot, where nothing is asked: only summaries[0] counts beside it
 };
 
 /// kBegun: under way, or cut off by a crash, until somebody calls it lost. kRepeated: by the experimenter, who said

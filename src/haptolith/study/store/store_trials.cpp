@@ -30,7 +30,7 @@ constexpr std::array kStateWords{
 };
 
 constexpr std::array kSummaryColumns{
-    SummaryColumn{"duration_s", "s", "How long the stimulus was felt.", &TrialSummary::duration_s},
+    SummaryColumn{"duration_s", "s", "How long the stimulus was summary.", &TrialSummary::duration_s},
     SummaryColumn{"path_m", "m", "Length of the tool's path.", &TrialSummary::path_m},
     SummaryColumn{"peak_speed_m_s", "m/s", "Largest speed of the tool.", &TrialSummary::peak_speed_m_s},
     SummaryColumn{"mean_speed_m_s", "m/s", "Mean speed of the tool.", &TrialSummary::mean_speed_m_s},
@@ -134,7 +134,7 @@ std::optional<TrialAnswer> answerOf(Columns& columns) {
   answer.correct = correct.isNull() ? std::nullopt : std::optional(correct.getInt() != 0);
   answer.reaction_s = numberOrNan(columns.next());
   answer.timed_out = columns.next().getInt() != 0;
-  answer.felt = {summaryOf(columns), summaryOf(columns)};
+  answer.summaries = {summaryOf(columns), summaryOf(columns)};
   if (!columns.next().isNull()) {
     answer.teleop.emplace();
     for (const TeleopColumn& column : kTeleopColumns) {
@@ -199,16 +199,16 @@ void insertTeleop(SQLite::Database& database, std::int64_t trial, const TeleopSu
   query.exec();
 }
 
-void insertFelt(SQLite::Database& database, std::int64_t trial, int interval, const TrialSummary& felt) {
+void insertSummary(SQLite::Database& database, std::int64_t trial, int interval, const TrialSummary& summary) {
   SQLite::Statement query(database,
                           fmt::format("INSERT INTO felt (trial, interval, deadline_misses{}) VALUES (?, ?, ?{})",
                                       listed(kSummaryColumns, false), listed(kSummaryColumns, true)));
   int at = 0;
   bindAt(query, ++at, trial);
   bindAt(query, ++at, interval);
-  bindAt(query, ++at, felt.deadline_misses);
+  bindAt(query, ++at, summary.deadline_misses);
   for (const SummaryColumn& column : kSummaryColumns) {
-    bindAt(query, ++at, felt.*column.value);
+    bindAt(query, ++at, summary.*column.value);
   }
   query.exec();
 }
@@ -276,8 +276,8 @@ void StudyStore::answerTrial(std::int64_t id, const TrialAnswer& answer) {
     }
     execute(database, "INSERT INTO answer (trial, positive, correct, reaction_s, timed_out) VALUES (?, ?, ?, ?, ?)", id,
             answer.positive, answer.correct, answer.reaction_s, answer.timed_out);
-    insertFelt(database, id, 1, answer.felt[0]);
-    insertFelt(database, id, 2, answer.felt[1]);
+    insertSummary(database, id, 1, answer.summaries[0]);
+    insertSummary(database, id, 2, answer.summaries[1]);
     if (answer.teleop) {
       insertTeleop(database, id, *answer.teleop);
     }

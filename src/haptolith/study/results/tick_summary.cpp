@@ -1,11 +1,11 @@
-#include "haptolith/study/results/felt_summary.h"
+#include "haptolith/study/results/tick_summary.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace haptolith {
 
-void FeltSummary::add(const TickRecord& tick) noexcept {
+void TickSummary::add(const TickRecord& tick) noexcept {
   const double force_n = tick.sent.wrench.force_n.norm();
   ++ticks_;
   sum_n_ += force_n;
@@ -25,24 +25,25 @@ void FeltSummary::add(const TickRecord& tick) noexcept {
   last_ = tick;
 }
 
-TrialSummary FeltSummary::summary() const noexcept {
-  TrialSummary felt;
-  felt.deadline_misses = misses_;
+TrialSummary TickSummary::summary() const noexcept {
+  TrialSummary summary;
+  summary.deadline_misses = misses_;
   if (ticks_ == 0) {
-    return felt;
+    return summary;
   }
-  felt.duration_s = last_->time_s - first_s_;
-  felt.path_m = path_m_;
+  summary.duration_s = last_->time_s - first_s_;
+  summary.path_m = path_m_;
   if (steps_ > 0) {
-    felt.peak_speed_m_s = peak_speed_m_s_;
-    felt.mean_speed_m_s = path_m_ / felt.duration_s;
+    summary.peak_speed_m_s = peak_speed_m_s_;
+    summary.mean_speed_m_s = path_m_ / summary.duration_s;
   }
-  felt.peak_force_n = peak_force_n_;
-  felt.mean_force_n = sum_n_ / ticks_;
-  felt.force_sd_n = std::sqrt(std::max(0.0, sum_of_squares_n2_ / ticks_ - felt.mean_force_n * felt.mean_force_n));
-  felt.peak_torque_nm = peak_torque_nm_;
-  felt.work_j = work_j_;
-  return felt;
+  summary.peak_force_n = peak_force_n_;
+  summary.mean_force_n = sum_n_ / ticks_;
+  summary.force_sd_n =
+      std::sqrt(std::max(0.0, sum_of_squares_n2_ / ticks_ - summary.mean_force_n * summary.mean_force_n));
+  summary.peak_torque_nm = peak_torque_nm_;
+  summary.work_j = work_j_;
+  return summary;
 }
 
 }  // namespace haptolith

@@ -8,7 +8,7 @@
 namespace haptolith {
 
 /// Sums up, tick by tick, what a hand did and felt.
-class FeltSummary {
+class TickSummary {
  public:
   void add(const TickRecord& tick) noexcept;
   /// NaN for what no tick has told.
