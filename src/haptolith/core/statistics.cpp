@@ -21,7 +21,15 @@ double mean(std::span<const double> values) noexcept {
 }
 
 double standardDeviation(std::span<const double> values) noexcept {
-  return values.size() < 2 ? kNone : std::sqrt(boost::math::statistics::sample_variance(values.begin(), values.end()));
+  if (values.size() < 2) {
+    return kNone;
+  }
+  const double centre = mean(values);
+  double squares = 0;
+  for (const double value : values) {
+    squares += (value - centre) * (value - centre);
+  }
+  return std::sqrt(squares / static_cast<double>(values.size() - 1));
 }
 
 double median(std::vector<double> values) {

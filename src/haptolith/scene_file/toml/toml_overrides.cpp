@@ -81,7 +81,8 @@ void TomlReader::takeOverrides(std::span<const std::string> overrides, std::span
     return std::ranges::any_of(overridden, [&](const auto& name) { return name.first == table && name.second == key; });
   };
   const auto pass_over = [&](std::string_view table, std::string_view key) {
-    if (toml::table* at = (*table_)[table].as_table(); at != nullptr && !is_overridden(table, key)) {
+    toml::table* const at = table.empty() ? table_.get() : (*table_)[table].as_table();
+    if (at != nullptr && !is_overridden(table, key)) {
       at->erase(key);
     }
   };
