@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/interpolate.h"
 
 namespace haptolith {
 
