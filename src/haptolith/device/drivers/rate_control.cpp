@@ -34,6 +34,16 @@ SteeredHandle::SteeredHandle(double tick_s, double workspace_radius_m)
           requireInRange("workspace_radius_m", workspace_radius_m, {.lowest = 0, .ends = Ends::kOpenBelow})),
       share_(1 - std::exp(-tick_s / kSmoothing_s)) {}
 
+DeviceLimits SteeredHandle::limits() noexcept {
+  DeviceLimits limits;
+  limits.max_force_n = 0;
+  limits.shows_force = false;
+  limits.max_torque_nm = 0;
+  limits.max_gripper_force_n = 0;
+  limits.workspace_radius_m = kWorkspaceRadius_m;
+  return limits;
+}
+
 const Movement& SteeredHandle::drive(const Twist& speed) noexcept {
   target_.orientation = turnedBy(tick_s_ * speed.angular_rad_s, target_.orientation);
   return displace(tick_s_ * speed.linear_m_s);
