@@ -19,6 +19,7 @@ from commands import commands
 
 MANUAL = Path(__file__).resolve().parent
 SOURCE = MANUAL.parent
+DECISIONS = "docs/decisions"
 
 LANGUAGES = {".toml": "toml", ".c": "c", ".h": "c", ".hpp": "cpp", ".cpp": "cpp", ".cs": "csharp", ".gd": "gdscript", ".m": "matlab", ".mjs": "javascript",
              ".py": "python", ".sh": "bash"}
@@ -197,6 +198,8 @@ def linked(text: str, folder: Path, staged: Path, up: str = "") -> str:
             return match[0]
         if file.parent in (SOURCE / "docs", MANUAL):
             return f"]({up}{file.name}{'#' + anchor if anchor else ''})"
+        if file.parent == SOURCE / DECISIONS:
+            return f"]({up}decisions/{file.name}{'#' + anchor if anchor else ''})"
         if (SOURCE / "docs/images") in file.parents:
             return f"]({up}images/{file.name})"
         return f"]({up}{page_for(file.relative_to(SOURCE).as_posix(), staged)}{'#' + anchor if anchor else ''})"
@@ -222,6 +225,9 @@ def make(build: Path, out: Path, staged: Path) -> None:
     (staged / "doctrees").mkdir()
     for page in [*sorted((SOURCE / "docs").glob("*.md")), *sorted(MANUAL.glob("*.md"))]:
         (staged / page.name).write_text(linked(page.read_text(), page.parent, staged))
+    (staged / "decisions").mkdir()
+    for page in sorted((SOURCE / DECISIONS).glob("*.md")):
+        (staged / "decisions" / page.name).write_text(linked(page.read_text(), page.parent, staged, "../"))
     (staged / "c-reference.md").write_text(c_reference())
     program = build / "apps/haptolith/haptolith"
     (staged / "command-line.md").write_text(command_line(program))

@@ -57,14 +57,6 @@ TEST(DischargeFit, FindsTheLawThatMadeThePoints) {
   EXPECT_NEAR(fit.rateAt(20e-3, kDiameter), beverlooRate(kGlassBeads), 1e-12);
 }
 
-TEST(DischargeFit, FindsTheGapToo) {
-  for (const double gap : {0.5, 1.4, 2.9}) {
-    const DischargeFit fit = fitDischargeAndGap(discharges(gap), kDiameter);
-    EXPECT_NEAR(fit.gap, gap, 1e-5);
-    EXPECT_NEAR(fit.exponent, 2.5, 1e-5);
-  }
-}
-
 TEST(DischargeFit, OfScatteredRatesIsNearAndSaysHowNear) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, 0.02);
@@ -93,7 +85,6 @@ TEST(DischargeFit, RefusesNonsense) {
   EXPECT_THROW(static_cast<void>(fitDischarge(points, 0)), InvalidParameter);
   EXPECT_THROW(static_cast<void>(fitDischarge(points, 10e-3)), InvalidParameter);  // k d is wider than the opening
   EXPECT_THROW(static_cast<void>(fitDischarge(points, kDiameter, -1)), InvalidParameter);
-  EXPECT_THROW(static_cast<void>(fitDischargeAndGap({points.data(), 3}, kDiameter)), InvalidParameter);
   EXPECT_THROW(static_cast<void>(fitDischarge({points.data(), 2}, kDiameter)), InvalidParameter);
   points[1].rate_kg_s = 0;
   EXPECT_THROW(static_cast<void>(fitDischarge(points, kDiameter)), InvalidParameter);

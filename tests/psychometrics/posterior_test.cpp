@@ -48,19 +48,6 @@ std::vector<double> summedDensely(const Model& model, const std::vector<double>&
   return result;
 }
 
-TEST(MarginalLikelihood, OfAThousandAnswersALevelIsThatOfADenseSum) {
-  const Model model(thousandAnswers(), freeThreshold());
-  std::vector<double> ws;
-  for (double w = 0.25; w < 0.34; w += 0.005) {
-    ws.push_back(w);
-  }
-  const std::vector<double> found = marginalLikelihood(model, kScale, ws);
-  const std::vector<double> dense = summedDensely(model, ws);
-  for (std::size_t i = 0; i < ws.size(); ++i) {
-    EXPECT_NEAR(found[i], dense[i], 0.005) << ws[i];
-  }
-}
-
 TEST(Posterior, OfAThousandAnswersALevelIsThatOfADenseSum) {
   const Model model(thousandAnswers(), freeThreshold());
   std::vector<double> ws;

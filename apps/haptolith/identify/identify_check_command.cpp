@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/identify/check/soil_check.h"

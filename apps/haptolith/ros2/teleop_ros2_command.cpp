@@ -6,7 +6,6 @@
 #include <memory>
 #include <numbers>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "haptolith/core/error.h"

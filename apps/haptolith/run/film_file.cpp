@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-
-#include "shared/stop_on_signal.h"
+#include "haptolith/core/process/stop_asked.h"
 
 namespace haptolith {
 

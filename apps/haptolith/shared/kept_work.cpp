@@ -8,9 +8,9 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/in_parallel.h"
+#include "haptolith/core/process/stop_asked.h"
 
 #include "shared/output.h"
-#include "shared/stop_on_signal.h"
 
 namespace haptolith {
 

@@ -7,9 +7,9 @@
 
 #include "haptolith/core/clock.h"
 #include "haptolith/core/pluralise.h"
+#include "haptolith/core/process/stop_asked.h"
 
 #include "shared/output.h"
-#include "shared/stop_on_signal.h"
 
 namespace haptolith {
 

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,6 +27,7 @@
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "soil/density_figure.h"
+#include "soil/named_soil_commands.h"
 
 namespace haptolith {
 
@@ -422,114 +422,6 @@ void addPresets(CLI::App& soil) {
   command->callback([json] { *json ? printPresetsJson() : printPresetsText(); });
 }
 
-// --- haptolith soil list ---------------------------------------------------------------------------------------------
-
-std::vector<SoilFile> namedSoils() {
-  std::vector<SoilFile> soils;
-  for (const std::string& name : soilNames()) {
-    soils.push_back(findSoil(name));
-  }
-  return soils;
-}
-
-Json rangeOrNull(const std::optional<Range>& range) {
-  return range ? Json{range->lowest, range->highest} : Json(nullptr);
-}
-
-Json soilJson(const SoilFile& soil) {
-  const SoilTarget& target = soil.target;
-  return {{"name", soil.name},
-          {"bulk_density_kg_m3", target.bulk_density_kg_m3},
-          {"friction_angle_deg", target.friction_angle_deg},
-          {"friction_angle_range_deg", rangeOrNull(target.friction_angle_range_deg)},
-          {"cohesion_pa", target.cohesion_pa},
-          {"cohesion_range_pa", rangeOrNull(target.cohesion_range_pa)},
-          {"strength", wordFor(kSoilStrengthWords, target.strength)},
-          {"friction", wordFor(kFrictionWords, soil.soil.friction)},
-          {"calibrated", soil.reached.has_value()},
-          {"source", soil.source}};
-}
-
-void printSoilsJson() {
-  Json rows = Json::array();
-  for (const SoilFile& soil : namedSoils()) {
-    rows.push_back(soilJson(soil));
-  }
-  printJson(Json{{"soils", rows}});
-}
-
-/// The first letters of a text, without half a letter of UTF-8.
-std::string beginningOf(const std::string& text, std::size_t letters) {
-  std::size_t end = 0;
-  for (; end < text.size(); ++end) {
-    const bool begins_letter = (static_cast<unsigned char>(text[end]) & 0xC0U) != 0x80U;
-    if (begins_letter && letters-- == 0) {
-      return text.substr(0, end) + "...";
-    }
-  }
-  return text;
-}
-
-void printSoilsText() {
-  constexpr std::size_t kSourceLetters = 44;  // so that lines have 100
-  fmt::print("Soils with a name, as they were measured; all of one: haptolith soil show NAME\n\n");
-  fmt::print("                        density    angle   cohesion\n");
-  fmt::print("                          kg/m³        °         Pa   source\n");
-  for (const SoilFile& soil : namedSoils()) {
-    const SoilTarget& target = soil.target;
-    fmt::print("  {:<20}   {:>6.0f}   {:>6.1f}   {:>8.0f}   {}\n", soil.name, target.bulk_density_kg_m3,
-               target.friction_angle_deg, target.cohesion_pa, beginningOf(soil.source, kSourceLetters));
-  }
-}
-
-void addList(CLI::App& soil) {
-  auto json = std::make_shared<bool>(false);
-  CLI::App* command = soil.add_subcommand("list", "The soils with a name, and what was measured of them");
-  command->add_flag("--json", *json, "print one JSON object instead of a table");
-  command->footer("Examples:\n  haptolith soil list\n  haptolith run --soil lunar-0-15cm");
-  command->callback([json] { *json ? printSoilsJson() : printSoilsText(); });
-}
-
-// --- haptolith soil show ---------------------------------------------------------------------------------------------
-
-std::string rangeText(const std::optional<Range>& range) {
-  return range ? fmt::format(" ({:g} to {:g})", range->lowest, range->highest) : "";
-}
-
-void printSoil(const SoilFile& soil) {
-  const SoilTarget& target = soil.target;
-  fmt::print("{}\n  source          {}\n", soil.name, soil.source);
-  fmt::print("  bulk density    {:.0f} kg/m³\n", target.bulk_density_kg_m3);
-  fmt::print("  friction angle  {:.1f}°{}, {}\n", target.friction_angle_deg, rangeText(target.friction_angle_range_deg),
-             wordFor(kSoilStrengthWords, target.strength));
-  fmt::print("  cohesion        {:.0f} Pa{}\n", target.cohesion_pa, rangeText(target.cohesion_range_pa));
-  if (soil.reached) {
-    fmt::print("  simulated       {:.1f} ± {:.1f}°, {:.0f} ± {:.0f} Pa, {:.0f} kg/m³ ({} specimens)\n",
-               soil.reached->friction_angle_deg, soil.reached->friction_angle_sd_deg, soil.reached->cohesion_pa,
-               soil.reached->cohesion_sd_pa, soil.reached->bulk_density_kg_m3, soil.reached->seeds);
-  }
-  fmt::print("  particles       R = {:g} mm, {} friction\n", soil.soil.radius_m * kMmPerM,
-             wordFor(kFrictionWords, soil.soil.friction));
-}
-
-void addShow(CLI::App& soil) {
-  struct Options {
-    std::string name;
-    bool json = false;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = soil.add_subcommand("show", "All that is known of one soil, its source among it");
-  command->add_option("name", options->name, "a named soil (haptolith soil list) or a soil file")
-      ->required()
-      ->option_text("NAME|FILE");
-  command->add_flag("--json", options->json, "print one JSON object instead of text");
-  command->footer("Example:\n  haptolith soil show lunar-0-15cm");
-  command->callback([options] {
-    const SoilFile found = findSoil(options->name);
-    options->json ? printJson(soilJson(found)) : printSoil(found);
-  });
-}
-
 }  // namespace
 
 void addSoilCommands(CLI::App& app) {
@@ -539,8 +431,7 @@ void addSoilCommands(CLI::App& app) {
   addProfile(*soil);
   addCalibratePaper(*soil);
   addPresets(*soil);
-  addList(*soil);
-  addShow(*soil);
+  addNamedSoilCommands(*soil);
 }
 
 }  // namespace haptolith

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/teleop/link/udp_relay.h"

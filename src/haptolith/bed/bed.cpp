@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/start/bed_start.h"
 #include "haptolith/bed/start/spatial_order.h"
 #include "haptolith/core/assert.h"

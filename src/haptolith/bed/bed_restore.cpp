@@ -47,6 +47,104 @@ double gridHeight(const SavedBed& saved) {
   return requireInRange("grid_height_m", saved.grid_height_m, kHeight_m);
 }
 
+/// @throws InvalidParameter unless arrays of particles and groups are as long as those of `own`.
+void requireSameArrays(const BedState& state, const BedState& own) {
+  const std::size_t n = own.particles();
+  const std::size_t records = paddedCount(n);
+  if (state.particles() != n || state.position.size() != records || state.velocity.size() != records ||
+      state.reference_position.size() != records || state.rested_at.size() != records ||
+      state.rested.size() != records / kGroup || state.contacts.particles() != n) {
+    throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
+                           fmt::format("of this bed's {} particles", n));
+  }
+  if (state.remainder.size() != own.remainder.size()) {
+    throw InvalidParameter("state", state.remainder.empty() ? "of a narrow box" : "of a wide box",
+                           "of a box like this");
+  }
+}
+
+/// A saved state may come from a file: a position that is NaN would become the index of a cell. @throws
+/// InvalidParameter.
+void requireFinite(const BedState& state) {
+  const auto is_number = [](const Float4& r) {
+    return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
+  };
+  for (const auto* records_of : {&state.position, &state.velocity, &state.reference_position, &state.rested_at,
+                                 &state.tool_slip, &state.remainder}) {
+    if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
+      throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
+    }
+  }
+}
+
+/// The neighbour lists reach as far as the largest particles of this soil do, and groups keep their class.
+/// @throws InvalidParameter.
+void requireSameSizes(const BedState& state, const Bed& bed) {
+  const SoilParameters& soil = bed.parameters().soil;
+  const auto fitting = [&](const Float4& p) {
+    const double scale = GrainClasses::scale(bed.classes().of(p.w));
+    const double mean_m = (scale - 1) * soil.radius_m;
+    constexpr float kRounding = 1e-6F;
+    return std::abs(p.w - static_cast<float>(mean_m)) <=
+           static_cast<float>(scale * largestExcess(soil)) + kRounding * std::abs(p.w) * (scale < 1 ? 1 : 0);
+  };
+  for (const auto* records_of : {&state.position, &state.reference_position}) {
+    if (!std::all_of(records_of->begin(), records_of->end(), fitting)) {
+      throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread and grading");
+    }
+  }
+  for (std::size_t i = 0; i < bed.particles(); ++i) {
+    if (bed.classes().of(state.position[i].w) != bed.classOf(i) ||
+        bed.classes().of(state.reference_position[i].w) != bed.classOf(i)) {
+      throw InvalidParameter("state", "grains of other classes", "of this bed's classes, grain by grain");
+    }
+  }
+}
+
+/// @throws InvalidParameter unless the same particles are held, and sleep for ever, as in `own`.
+void requireSameHeld(const BedState& state, const BedState& own) {
+  for (std::size_t i = 0; i < own.particles(); ++i) {
+    if (state.isHeld(i) != own.isHeld(i)) {
+      throw InvalidParameter("state", fmt::format("particle {} {}", i, state.isHeld(i) ? "held" : "free"),
+                             "of a bed that holds the same soil at its sides");
+    }
+  }
+  for (std::size_t group = 0; group < state.rested.size(); ++group) {
+    if ((state.rested[group] == BedState::kAsleepForEver) != (own.rested[group] == BedState::kAsleepForEver)) {
+      throw InvalidParameter("state", fmt::format("group {} asleep otherwise", group),
+                             "asleep for ever where it is held");
+    }
+  }
+}
+
+/// @throws InvalidParameter unless contacts remember slips where this bed's do, and these are finite.
+void requireSlips(const BedState& state, bool has_contact_friction) {
+  const std::size_t n = state.particles();
+  if (state.contacts.remembers() != has_contact_friction ||
+      state.wall_slip.size() != (has_contact_friction ? paddedCount(n) / kGroup : 0) ||
+      state.tool_slip.size() != (has_contact_friction ? n : 0)) {
+    throw InvalidParameter("state", has_contact_friction ? "without a memory of friction" : "with a memory of friction",
+                           "of a bed with this bed's friction");
+  }
+  const auto finite = [](float value) { return std::isfinite(value); };
+  bool numbers = true;
+  for (const WallSlips& slips : state.wall_slip) {
+    for (const auto* slip :
+         {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
+      numbers = numbers && std::ranges::all_of(*slip, finite);
+    }
+  }
+  for (std::size_t i = 0; has_contact_friction && i < n; ++i) {
+    for (std::uint32_t s = 0; s < state.contacts.count(i); ++s) {
+      const Slip slip = state.contacts.slip(i, s);
+      numbers = numbers && finite(slip.x) && finite(slip.y) && finite(slip.z);
+    }
+  }
+  if (!numbers) {
+    throw InvalidParameter("state", "a contact's slip that is NaN or infinite", "finite");
+  }
+}
+
 }  // namespace
 
 Bed::Bed(const BedParameters& parameters, const SavedBed& saved)
@@ -95,78 +193,11 @@ void Bed::restore(const SavedBed& saved) {
 
 void Bed::restore(const BedState& state) {
   const std::size_t n = particles();
-  const std::size_t records = paddedCount(n);
-  if (state.particles() != n || state.position.size() != records || state.velocity.size() != records ||
-      state.reference_position.size() != records || state.rested_at.size() != records ||
-      state.rested.size() != records / kGroup || state.contacts.particles() != n) {
-    throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
-                           fmt::format("of this bed's {} particles", n));
-  }
-  if (state.remainder.size() != state_.remainder.size()) {
-    throw InvalidParameter("state", state.remainder.empty() ? "of a narrow box" : "of a wide box",
-                           "of a box like this");
-  }
-  // A saved state may come from a file: a position that is NaN would become the index of a cell.
-  const auto finite = [](float value) { return std::isfinite(value); };
-  const auto is_number = [&](const Float4& r) { return finite(r.x) && finite(r.y) && finite(r.z) && finite(r.w); };
-  for (const auto* records_of : {&state.position, &state.velocity, &state.reference_position, &state.rested_at,
-                                 &state.tool_slip, &state.remainder}) {
-    if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
-      throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
-    }
-  }
-  // The neighbour lists reach as far as the largest particles of this soil do, and groups keep their class.
-  const auto fitting = [&](const Float4& p) {
-    const double scale = GrainClasses::scale(classes().of(p.w));
-    const double mean_m = (scale - 1) * parameters_.soil.radius_m;
-    constexpr float kRounding = 1e-6F;
-    return std::abs(p.w - static_cast<float>(mean_m)) <= static_cast<float>(scale * largestExcess(parameters_.soil)) +
-                                                             kRounding * std::abs(p.w) * (scale < 1 ? 1 : 0);
-  };
-  for (const auto* records_of : {&state.position, &state.reference_position}) {
-    if (!std::all_of(records_of->begin(), records_of->end(), fitting)) {
-      throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread and grading");
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (classes().of(state.position[i].w) != classOf(i) || classes().of(state.reference_position[i].w) != classOf(i)) {
-      throw InvalidParameter("state", "grains of other classes", "of this bed's classes, grain by grain");
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (state.isHeld(i) != state_.isHeld(i)) {
-      throw InvalidParameter("state", fmt::format("particle {} {}", i, state.isHeld(i) ? "held" : "free"),
-                             "of a bed that holds the same soil at its sides");
-    }
-  }
-  for (std::size_t group = 0; group < state.rested.size(); ++group) {
-    if ((state.rested[group] == BedState::kAsleepForEver) != (state_.rested[group] == BedState::kAsleepForEver)) {
-      throw InvalidParameter("state", fmt::format("group {} asleep otherwise", group),
-                             "asleep for ever where it is held");
-    }
-  }
-  if (state.contacts.remembers() != hasContactFriction() ||
-      state.wall_slip.size() != (hasContactFriction() ? records / kGroup : 0) ||
-      state.tool_slip.size() != (hasContactFriction() ? n : 0)) {
-    throw InvalidParameter("state", hasContactFriction() ? "without a memory of friction" : "with a memory of friction",
-                           "of a bed with this bed's friction");
-  }
-  bool numbers = true;
-  for (const WallSlips& slips : state.wall_slip) {
-    for (const auto* slip :
-         {&slips.floor_x, &slips.floor_y, &slips.x_wall_y, &slips.x_wall_z, &slips.y_wall_x, &slips.y_wall_z}) {
-      numbers = numbers && std::ranges::all_of(*slip, finite);
-    }
-  }
-  for (std::size_t i = 0; hasContactFriction() && i < n; ++i) {
-    for (std::uint32_t s = 0; s < state.contacts.count(i); ++s) {
-      const Slip slip = state.contacts.slip(i, s);
-      numbers = numbers && finite(slip.x) && finite(slip.y) && finite(slip.z);
-    }
-  }
-  if (!numbers) {
-    throw InvalidParameter("state", "a contact's slip that is NaN or infinite", "finite");
-  }
+  requireSameArrays(state, state_);
+  requireFinite(state);
+  requireSameSizes(state, *this);
+  requireSameHeld(state, state_);
+  requireSlips(state, hasContactFriction());
   // Its lists must be those of its places; their order, which is the order of sums, is its own.
   ContactLists listed(n, hasContactFriction());
   const bool entered = neighbourhood_.buildAll(state.reference_position, listed);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "haptolith/device/device_parameters.h"
 
 namespace haptolith::library {

@@ -67,30 +67,18 @@ namespace haptolith::library {
 /// header since are served, so members only ever come at the end, and these never change.
 template <class Struct>
 inline constexpr std::size_t kFirstSize = 0;
-template <>
-inline constexpr std::size_t kFirstSize<hapto_error> = offsetof(hapto_error, valid) + sizeof(hapto_error::valid);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_array> = offsetof(hapto_array, data) + sizeof(hapto_array::data);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_scene_info> = offsetof(hapto_scene_info, gravity_m_s2) +
-                                                            sizeof(hapto_scene_info::gravity_m_s2);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_device_limits> = offsetof(hapto_device_limits, resolution_m) +
-                                                               sizeof(hapto_device_limits::resolution_m);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_device_input> = offsetof(hapto_device_input, reserved) +
-                                                              sizeof(hapto_device_input::reserved);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_device_output> = offsetof(hapto_device_output, gripper_force_n) +
-                                                               sizeof(hapto_device_output::gripper_force_n);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_device> = offsetof(hapto_device, take_up) + sizeof(hapto_device::take_up);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_snapshot> = offsetof(hapto_snapshot, position) +
-                                                          sizeof(hapto_snapshot::position);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_safety_info> = offsetof(hapto_safety_info, injected_j) +
-                                                             sizeof(hapto_safety_info::injected_j);
+#define HAPTO_FIRST_SIZE(Struct, last_member) \
+  template <>                                 \
+  inline constexpr std::size_t kFirstSize<Struct> = offsetof(Struct, last_member) + sizeof(Struct::last_member)
+HAPTO_FIRST_SIZE(hapto_error, valid);
+HAPTO_FIRST_SIZE(hapto_array, data);
+HAPTO_FIRST_SIZE(hapto_scene_info, gravity_m_s2);
+HAPTO_FIRST_SIZE(hapto_device_limits, resolution_m);
+HAPTO_FIRST_SIZE(hapto_device_input, reserved);
+HAPTO_FIRST_SIZE(hapto_device_output, gripper_force_n);
+HAPTO_FIRST_SIZE(hapto_device, take_up);
+HAPTO_FIRST_SIZE(hapto_snapshot, position);
+HAPTO_FIRST_SIZE(hapto_safety_info, injected_j);
 
 /// HAPTO_OK, HAPTO_NULL or HAPTO_WRONG_SIZE.
 template <class Struct>

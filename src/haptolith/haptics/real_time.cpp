@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <thread>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/start_thread.h"

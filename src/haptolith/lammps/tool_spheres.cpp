@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
-#include <unordered_map>
 #include <vector>
 
 #include "haptolith/core/error.h"

@@ -1,6 +1,5 @@
 #include "haptolith/mesh/shown_surface.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>

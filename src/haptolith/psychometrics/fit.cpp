@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 
 #include "haptolith/core/error.h"
 #include "haptolith/psychometrics/goodness_of_fit.h"

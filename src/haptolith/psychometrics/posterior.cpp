@@ -21,13 +21,10 @@ using AxisSupports = std::array<Support, kParameters>;
 
 // What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
 constexpr double kNegligibleMass = 9;
-// The same of parameters that are summed over: the likelihood of another one is wanted where it is small, too.
-constexpr double kNegligibleNuisance = 12;
 constexpr std::size_t kHumps = 3;  // of the posterior, among which its maximum is looked for
 constexpr AxisSizes kCoarseGrid{17, 17, 6, 6, 5};
 // Of the grid of the likelihood's peaks, which lie between any two stimuli where the function is narrow.
 constexpr AxisSizes kPosteriorPeaks{49, 12, 4, 4, 1};
-constexpr AxisSizes kNuisance{28, 28, 10, 10, 8};
 constexpr double kRounding = 1e-12;  // by which equal values may differ, as a share of them
 constexpr int kRounds = 3;           // of coarse grids, each over what the one before has left
 
@@ -351,18 +348,6 @@ AxisSupports boxOf(const Model& model, double depth) {
 
 Posterior posteriorOf(const Model& model) {
   return PosteriorGrid(model, gaussAxes(model, boxOf(model, kNegligibleMass), fineSizes(model))).summed();
-}
-
-std::vector<double> marginalLikelihood(const Model& model, int parameter, const std::vector<double>& values) {
-  const Model flat = model.withFlatPrior(parameter, {std::ranges::min(values), std::ranges::max(values)});
-  PosteriorAxes axes = gaussAxes(flat, boxOf(flat, kNegligibleNuisance), kNuisance);
-  axes[parameter] = {.values = values, .weights = std::vector<double>(values.size(), 1)};
-  std::vector<double> likelihood = PosteriorGrid(flat, std::move(axes)).summed().marginals[parameter];
-  const double most = std::ranges::max(likelihood);
-  for (double& value : likelihood) {
-    value /= most;
-  }
-  return likelihood;
 }
 
 std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count) {

@@ -37,11 +37,6 @@ struct Posterior {
 /// Sums the posterior where it is: first on coarse grids over the whole support, to find what to leave out.
 [[nodiscard]] Posterior posteriorOf(const Model& model);
 
-/// The likelihood of the levels at each of `values` of one parameter, all other parameters summed over with their
-/// priors; the largest is 1.
-[[nodiscard]] std::vector<double> marginalLikelihood(const Model& model, int parameter,
-                                                     const std::vector<double>& values);
-
 /// Where the likelihood has its peaks on a coarse grid of threshold and width over the whole support, each with its
 /// most likely rates and a little overdispersion where that is free: at most `count`, the most likely first.
 [[nodiscard]] std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count);

@@ -9,7 +9,6 @@
 #include <mutex>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/pluralise.h"

@@ -1,9 +1,6 @@
 // How a scene is saved, and how one goes on from what was saved.
 
-#include <fmt/format.h>
-
 #include <array>
-#include <cstdint>
 #include <cstring>
 
 #include "haptolith/core/error.h"

@@ -10,7 +10,6 @@
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/async.h"
-#include "haptolith/device/drivers/open_device.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/tool/tool_contact.h"
@@ -21,10 +20,6 @@ namespace haptolith {
 namespace {
 
 using namespace std::chrono_literals;
-
-/// The tool may be pulled so far beyond the box and above the surface: well within what the loop takes for a hand.
-constexpr double kBesideBox_m = 0.15;
-constexpr double kAboveSurface_m = 0.35;
 
 /// How many level beds are remembered: the stimuli of a study.
 constexpr std::size_t kMaxCachedBeds = 64;
@@ -119,39 +114,6 @@ Session::Session(SceneFile scene_file, bool keep_records, const SettleProgress& 
 Session::~Session() {
   if (making_) {
     making_->unwanted = true;
-  }
-}
-
-void Session::openHand(std::unique_ptr<HapticDevice> device) {
-  if (device) {
-    device_ = std::move(device);
-  } else if (wanted_.device.kind == DeviceKind::kVirtualHand) {
-    auto hand = std::make_unique<VirtualHand>(wanted_.hand, wanted_.bed.tick_s);
-    hand_ = hand.get();
-    device_ = std::move(hand);
-  } else {
-    device_ = openDevice(wanted_.device, wanted_.bed.tick_s);
-  }
-  if (!device_->simulated()) {
-    last_resort_.emplace(*device_);
-  }
-}
-
-void Session::requireVirtualHand(const char* asked) const {
-  if (hand_ == nullptr) {
-    throw InvalidParameter(asked, fmt::format("while a person has the tool ({})", device_->name()),
-                           "asked for when the virtual hand has it");
-  }
-}
-
-bool Session::personFeels() const noexcept {
-  const DeviceLimits limits = device_->limits();
-  return !device_->simulated() && limits.shows_force && limits.max_force_n > 0 && snapshot().trip == SafetyTrip::kNone;
-}
-
-void Session::commandHand() {
-  if (hand_ != nullptr) {
-    hand_->command(command_);
   }
 }
 
@@ -484,52 +446,6 @@ void Session::ask(const LoopRequest& request) {
   if (!loop_->ask(request)) {
     throw Failure("too much is asked for at once: try again");
   }
-}
-
-void Session::hold(const Pose& scene_T_tool) {
-  requireVirtualHand("hold");
-  const Vec3 low = workspaceLow();
-  const Vec3 high = workspaceHigh();
-  for (int axis = 0; axis < 3; ++axis) {
-    requireInRange(fmt::format("pose[{}]", axis), scene_T_tool.position_m[axis], {low[axis], high[axis]});
-  }
-  requireInRange("the norm of the pose's quaternion", scene_T_tool.orientation.norm(), kUnitNorm);
-  command_.held = Pose{scene_T_tool.position_m, scene_T_tool.orientation.normalized()};
-  commandHand();
-}
-
-void Session::release() {
-  if (command_.held) {
-    command_.held = snapshot().scene_T_tool;
-    commandHand();
-  }
-}
-
-void Session::play(Manoeuvre manoeuvre) {
-  requireVirtualHand("play");
-  command_.held.reset();
-  command_.manoeuvre = manoeuvre;
-  tellMotion(wanted_);
-  tellMotion(current_.scene_file);
-  ++command_.beginnings;
-  commandHand();
-}
-
-/// The title may name the motion.
-void Session::tellMotion(SceneFile& scene_file) const {
-  const std::string before = sceneInWords(scene_file);
-  scene_file.hand.manoeuvre = command_.manoeuvre;
-  retitle(scene_file, before);
-}
-
-Vec3 Session::workspaceLow() const noexcept {
-  const BedParameters& bed = current_.scene_file.bed;
-  return {-bed.width_m / 2 - kBesideBox_m, -bed.length_m / 2 - kBesideBox_m, 0};
-}
-
-Vec3 Session::workspaceHigh() const noexcept {
-  const BedParameters& bed = current_.scene_file.bed;
-  return {bed.width_m / 2 + kBesideBox_m, bed.length_m / 2 + kBesideBox_m, surface() + kAboveSurface_m};
 }
 
 std::string Session::busy() const {

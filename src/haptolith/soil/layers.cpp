@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 
 #include "haptolith/core/error.h"
 #include "haptolith/soil/contact_law.h"

@@ -6,7 +6,6 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
-#include "haptolith/mesh/mend.h"
 #include "haptolith/mesh/triangle_mesh.h"
 
 namespace haptolith {
@@ -54,12 +53,5 @@ struct StoneShape {
 /// of the size of their union. The same seed and size give the same bits. Not for the tick.
 /// @throws InvalidParameter for a size outside kStoneSize_m.
 [[nodiscard]] StoneShape angularRock(double size_m, std::uint64_t seed);
-
-/// A stone of the shape of a closed mesh, scaled to the volume of a sphere of the diameter `size_m`: spheres that fill
-/// it, the largest first, until their union is within a fiftieth of the size of 98 % of the surface or there are
-/// `most_spheres`. Not for the tick.
-/// @throws InvalidParameter for a mesh that is a sheet, or in pieces, or so thin that the spheres fill less than half
-/// of it; for a size outside kStoneSize_m, for no sphere or more than kMostStoneSpheres; Failure when stopAsked().
-[[nodiscard]] StoneShape stoneOfMesh(const MendedMesh& mesh, double size_m, std::size_t most_spheres = 60);
 
 }  // namespace haptolith

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <utility>

@@ -12,19 +12,15 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstring>
-#include <deque>
 #include <exception>
 #include <filesystem>
 #include <iterator>
-#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string_view>
-#include <thread>
 #include <utility>
 
 #include "haptolith/core/error.h"

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <utility>
 
 #include "haptolith/bed/grain_classes.h"
 #include "haptolith/bed/measure/surface_height.h"

@@ -31,15 +31,9 @@ std::string dumped(const Json& json) {
 
 }  // namespace
 
-template <>
-inline constexpr std::size_t kFirstSize<hapto_recording_info> = offsetof(hapto_recording_info, tick_s) +
-                                                                sizeof(hapto_recording_info::tick_s);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_recorded_frame> = offsetof(hapto_recorded_frame, particles) +
-                                                                sizeof(hapto_recorded_frame::particles);
-template <>
-inline constexpr std::size_t kFirstSize<hapto_replay_report> = offsetof(hapto_replay_report, missing) +
-                                                               sizeof(hapto_replay_report::missing);
+HAPTO_FIRST_SIZE(hapto_recording_info, tick_s);
+HAPTO_FIRST_SIZE(hapto_recorded_frame, particles);
+HAPTO_FIRST_SIZE(hapto_replay_report, missing);
 
 class Recording {
  public:

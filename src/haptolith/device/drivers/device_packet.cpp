@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <string_view>
-#include <utility>
 
 #include "haptolith/core/packet_bytes.h"
 #include "haptolith/device/drivers/packet_key.h"

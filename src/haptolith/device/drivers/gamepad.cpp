@@ -191,13 +191,9 @@ Gamepad::Gamepad(const DeviceParameters& parameters, double tick_s) : handle_(ti
 Gamepad::~Gamepad() = default;
 
 DeviceLimits Gamepad::limits() const noexcept {
-  DeviceLimits limits;
+  DeviceLimits limits = SteeredHandle::limits();
   limits.max_force_n = kFullRumble_n;
-  limits.shows_force = false;
   limits.grips = true;
-  limits.max_torque_nm = 0;
-  limits.max_gripper_force_n = 0;
-  limits.workspace_radius_m = SteeredHandle::kWorkspaceRadius_m;
   limits.rate_hz = 1000.0 / kGamepadPeriod.count();
   return limits;
 }

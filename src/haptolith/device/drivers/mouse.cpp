@@ -157,12 +157,7 @@ Mouse::Mouse(const DeviceParameters& parameters, double tick_s) : handle_(tick_s
 }
 
 DeviceLimits Mouse::limits() const noexcept {
-  DeviceLimits limits;
-  limits.max_force_n = 0;
-  limits.shows_force = false;
-  limits.max_torque_nm = 0;
-  limits.max_gripper_force_n = 0;
-  limits.workspace_radius_m = SteeredHandle::kWorkspaceRadius_m;
+  DeviceLimits limits = SteeredHandle::limits();
   limits.turns = false;
   return limits;
 }

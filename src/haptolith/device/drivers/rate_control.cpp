@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/interpolate.h"
 
 namespace haptolith {
 
@@ -34,6 +33,16 @@ SteeredHandle::SteeredHandle(double tick_s, double workspace_radius_m)
       workspace_radius_m_(
           requireInRange("workspace_radius_m", workspace_radius_m, {.lowest = 0, .ends = Ends::kOpenBelow})),
       share_(1 - std::exp(-tick_s / kSmoothing_s)) {}
+
+DeviceLimits SteeredHandle::limits() noexcept {
+  DeviceLimits limits;
+  limits.max_force_n = 0;
+  limits.shows_force = false;
+  limits.max_torque_nm = 0;
+  limits.max_gripper_force_n = 0;
+  limits.workspace_radius_m = kWorkspaceRadius_m;
+  return limits;
+}
 
 const Movement& SteeredHandle::drive(const Twist& speed) noexcept {
   target_.orientation = turnedBy(tick_s_ * speed.angular_rad_s, target_.orientation);

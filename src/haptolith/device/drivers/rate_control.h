@@ -2,6 +2,7 @@
 
 #include "haptolith/core/vec.h"
 #include "haptolith/device/hand/arm.h"
+#include "haptolith/device/haptic_device.h"
 
 namespace haptolith {
 
@@ -42,6 +43,9 @@ class SteeredHandle {
 
   /// @throws InvalidParameter unless 0 < tick_s <= 0.1 and workspace_radius_m > 0.
   explicit SteeredHandle(double tick_s, double workspace_radius_m = kWorkspaceRadius_m);
+
+  /// Limits of a device that shows no force, in this workspace.
+  [[nodiscard]] static DeviceLimits limits() noexcept;
 
   /// One tick at this speed. The twist that is returned is always exactly the pose's step divided by the tick.
   const Movement& drive(const Twist& speed) noexcept;

@@ -69,13 +69,7 @@ SpaceMouse::SpaceMouse(const DeviceParameters& parameters, double tick_s) : hand
 }
 
 DeviceLimits SpaceMouse::limits() const noexcept {
-  DeviceLimits limits;
-  limits.max_force_n = 0;
-  limits.shows_force = false;
-  limits.max_torque_nm = 0;
-  limits.max_gripper_force_n = 0;
-  limits.workspace_radius_m = SteeredHandle::kWorkspaceRadius_m;
-  return limits;
+  return SteeredHandle::limits();
 }
 
 DeviceInput SpaceMouse::read() noexcept {

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/report/findings.h"
 #include "haptolith/lab/tests/grain.h"
 
 namespace haptolith {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"

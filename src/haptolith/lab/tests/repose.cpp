@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
 
 #include "haptolith/core/error.h"
 #include "haptolith/figure/figure.h"

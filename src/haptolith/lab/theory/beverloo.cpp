@@ -1,14 +1,9 @@
 #include "haptolith/lab/theory/beverloo.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
-#include <set>
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/lab/theory/minimum.h"
 #include "haptolith/lab/theory/straight_line.h"
 
 namespace haptolith {
@@ -53,23 +48,6 @@ DischargeFit fitDischarge(std::span<const DischargePoint> points, double particl
           .exponent_se = line.slope_se,
           .gap = gap,
           .log_residual = line.residual_sd};
-}
-
-DischargeFit fitDischargeAndGap(std::span<const DischargePoint> points, double particle_diameter_m) {
-  std::set<double> openings;
-  for (const DischargePoint& point : points) {
-    // With k = 0: that it is above 0, and the diameter too.
-    freeOpening(point.opening_m, particle_diameter_m, 0);
-    openings.insert(point.opening_m);
-  }
-  if (points.size() < 4 || openings.size() < 3) {
-    throw InvalidParameter("discharges", fmt::format("{} through {} openings", points.size(), openings.size()),
-                           "4 or more through 3 or more openings, to find k too");
-  }
-  const double widest_gap = std::min(kMostGap, 0.95 * *openings.begin() / particle_diameter_m);
-  const double gap = minimumBetween(
-      0, widest_gap, [&](double k) { return fitDischarge(points, particle_diameter_m, k).log_residual; });
-  return fitDischarge(points, particle_diameter_m, gap);
 }
 
 }  // namespace haptolith

@@ -57,12 +57,4 @@ struct DischargeFit {
 [[nodiscard]] DischargeFit fitDischarge(std::span<const DischargePoint> points, double particle_diameter_m,
                                         double gap = kBeverlooGap);
 
-/// The same with the k of least scatter, sought from 0 to the lesser of 5 and 0.95 of the smallest D over d.
-///
-/// k and e trade against each other: unless the openings span a factor of three or so, a per cent of scatter moves k by
-/// several tenths and e with it. exponent_se holds for the k that was found and does not know of that.
-/// @param points  four or more, of three or more sizes.
-/// @throws InvalidParameter as fitDischarge().
-[[nodiscard]] DischargeFit fitDischargeAndGap(std::span<const DischargePoint> points, double particle_diameter_m);
-
 }  // namespace haptolith

@@ -1,6 +1,5 @@
 #include "haptolith/lab/theory/resistive_force.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>

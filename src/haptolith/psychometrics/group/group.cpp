@@ -2,13 +2,11 @@
 
 #include <Eigen/Core>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <utility>
 
 #include "haptolith/core/error.h"

@@ -1,7 +1,6 @@
 // Who agreed to what, and what ran each part of a study.
 
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fmt/format.h>
 
 #include <cstdint>
 #include <optional>

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <deque>
 #include <optional>
 #include <set>
@@ -147,165 +146,217 @@ class ModelOperator {
   UpdateWatch watch_;
 };
 
-}  // namespace
-
-TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progress) {
-  TeleopResult result;
-  const Course course(setup, setup.sending.period_s, progress);
-  const bool feels = setup.feedback == Feedback::kModel;
-  ModelOperator hand(setup);
-  std::optional<LearningModel> learning;
-  if (setup.learns) {
-    learning.emplace(setup.model, *setup.learns);
+/// An operator with a model of the soil, a robot in its own, and the link between them.
+class ModelSimulation {
+ public:
+  ModelSimulation(const TeleopSetup& setup, const TeleopProgress& progress)
+      : setup_(setup),
+        course_(setup, setup.sending.period_s, progress),
+        hand_(setup),
+        site_(setup.site),
+        robot_(setup.robot, site_.scene, site_.surface_m,
+               VirtualHand(handAbove(setup.model, 0), course_.time(1)).read().pose),
+        camera_(site_.scene.bed(), site_.surface_m, setup.sending.site_period_s, course_.time(1)),
+        surface_(setup.up.delay_s + setup.down.delay_s + kSurfaceLate_s),
+        up_(setup.up),
+        down_(setup.down),
+        commands_(commandLags(setup.sending.period_s, setup.sending.command_keys)),
+        reports_(reportLags(setup.sending.report_keys)) {
+    if (setup.learns) {
+      learning_.emplace(setup.model, *setup.learns);
+    }
+    if (setup.mends) {
+      const Bed& bed = hand_.site().scene.bed();
+      mender_.emplace(bed.parameters(), setup.model.tool, hand_.site().surface_m);
+    }
   }
-  std::optional<SurfaceMender> mender;
-  if (setup.mends) {
-    const Bed& bed = hand.site().scene.bed();
-    mender.emplace(bed.parameters(), setup.model.tool, hand.site().surface_m);
-  }
-  Site site(setup.site);
-  HandParameters home = handAbove(setup.model, 0);
-  Robot robot(setup.robot, site.scene, site.surface_m, VirtualHand(home, course.time(1)).read().pose);
-  SiteCamera camera(site.scene.bed(), site.surface_m, setup.sending.site_period_s, course.time(1));
-  SiteMap known_site;
-  SurfaceWatch surface(setup.up.delay_s + setup.down.delay_s + kSurfaceLate_s);
-  std::deque<std::vector<double>> model_heights;  // at every 250th command that the robot has not come to yet
-  Link up(setup.up);
-  Link down(setup.down);
-  OperatorLog log;
-  KeyframeHistory<Keyframe> commands(commandLags(setup.sending.period_s, setup.sending.command_keyframes));
-  KeyframeHistory<RobotReport> reports(reportLags(setup.sending.report_keys));
-  CommandPacket command{.connection = kConnection};
-  StatePacket state{.robot_connection = kConnection};
-  std::uint64_t newest_report = 0;
-  MetLast met;
-  std::set<std::uint64_t> known;  // reports by their index: others may overtake them, and all come more than once
-  double robot_ticks = 0;
-  std::uint64_t next_compared = 0, looks = 0;
-  Mean behind;
-  std::uint64_t robot_tick = 0;
-  Share followed;
 
-  for (std::uint64_t tick = 0; tick < course.ticks(); ++tick) {
-    const double now_s = course.time(tick);
-    result.duration_s = now_s;
-    course.look(tick);
-    if (const std::optional<SoilAdjustment> step = learning ? learning->at(tick, hand.inAir()) : std::nullopt) {
-      hand.become(*step);
-    }
-    if (mender && tick % kLookEvery == 0) {
-      const Scene& model = hand.site().scene;
-      mender->look(tick, seenSoil(model.bed()), model.toolPose().position_m, known_site);
-    }
-    const std::optional<GrainMove> move = mender ? mender->next(hand.inAir()) : std::nullopt;
-    if (move) {
-      hand.move(*move);
-    }
-    if (tick % kLookEvery == 0) {
-      model_heights.push_back(hand.heights(camera.grid()));
-    }
-    if (hand.hand().hasTask()) {
-      TaskSight sight{now_s,       tick,      {},         feels ? hand.unlimited().force_n.norm() : met.force_n,
-                      met.force_n, met.index, &known_site};
-      if (feels) {
-        sight.own = [&](const HeightGrid& grid) { return hand.heights(grid); };
-      }
-      hand.hand().look(std::move(sight));
-      if (hand.hand().done()) {
+  TeleopResult run() {
+    for (std::uint64_t tick = 0; tick < course_.ticks(); ++tick) {
+      const double now_s = course_.time(tick);
+      result_.duration_s = now_s;
+      course_.look(tick);
+      const std::optional<GrainMove> move = updateModel(tick);
+      if (hand_.hand().hasTask() && !lookAtTask(tick, now_s)) {
         break;
       }
+      moveHand(tick, now_s, move);
+      receiveCommands(now_s);
+      for (robot_ticks_ += 1 + setup_.robot_clock_share; robot_ticks_ >= 1; robot_ticks_ -= 1) {
+        tickRobot(now_s);
+      }
+      receiveReports(now_s);
+      behind_.tick(newest_report_ > 0, now_s - course_.time(newest_report_));
     }
-    hand.tick();
-    result.mended += move && hand.hasMoved(*move) ? 1 : 0;
-    log.add(tick, hand.tool(), hand.displayed(), hand.unlimited());
-    if (tick % course.period() == 0) {
-      command.keyframes = commands.add({tick, hand.tool()});
-      command.held = hand.hand().holds();
-      ++command.number;
-      up.send(now_s, bytesOf(command));
-    }
+    return result();
+  }
 
-    while (const std::optional<Link::Arrival> arrived = up.receive(now_s)) {
+ private:
+  /// Adjusts soil and surface of the operator's model. Returns the grain that was asked to move.
+  std::optional<GrainMove> updateModel(std::uint64_t tick) {
+    if (const std::optional<SoilAdjustment> step = learning_ ? learning_->at(tick, hand_.inAir()) : std::nullopt) {
+      hand_.become(*step);
+    }
+    if (mender_ && tick % kLookEvery == 0) {
+      const Scene& model = hand_.site().scene;
+      mender_->look(tick, seenSoil(model.bed()), model.toolPose().position_m, known_site_);
+    }
+    const std::optional<GrainMove> move = mender_ ? mender_->next(hand_.inAir()) : std::nullopt;
+    if (move) {
+      hand_.move(*move);
+    }
+    if (tick % kLookEvery == 0) {
+      model_heights_.push_back(hand_.heights(camera_.grid()));
+    }
+    return move;
+  }
+
+  /// Shows the operator what is known of the site. False when the task is done.
+  bool lookAtTask(std::uint64_t tick, double now_s) {
+    const bool feels = setup_.feedback == Feedback::kModel;
+    TaskSight sight{now_s,        tick,       {},          feels ? hand_.unlimited().force_n.norm() : met_.force_n,
+                    met_.force_n, met_.index, &known_site_};
+    if (feels) {
+      sight.own = [&](const HeightGrid& grid) { return hand_.heights(grid); };
+    }
+    hand_.hand().look(std::move(sight));
+    return !hand_.hand().done();
+  }
+
+  void moveHand(std::uint64_t tick, double now_s, const std::optional<GrainMove>& move) {
+    hand_.tick();
+    result_.mended += move && hand_.hasMoved(*move) ? 1 : 0;
+    log_.add(tick, hand_.tool(), hand_.displayed(), hand_.unlimited());
+    if (tick % course_.period() == 0) {
+      command_.keyframes = commands_.add({tick, hand_.tool()});
+      command_.held = hand_.hand().holds();
+      ++command_.number;
+      up_.send(now_s, bytesOf(command_));
+    }
+  }
+
+  void receiveCommands(double now_s) {
+    while (const std::optional<Link::Arrival> arrived = up_.receive(now_s)) {
       if (const std::optional<CommandPacket> packet = parseCommand(arrived->packet)) {
-        robot.take(packet->connection, packet->held, packet->keyframes);
-        state.operator_connection = packet->connection;
-        state.newest = robot.newest();
+        robot_.take(packet->connection, packet->held, packet->keyframes);
+        state_.operator_connection = packet->connection;
+        state_.newest = robot_.newest();
       }
     }
-    for (robot_ticks += 1 + setup.robot_clock_share; robot_ticks >= 1; robot_ticks -= 1) {
-      robot.tick();
-      followed.tick(robot.state() == RobotState::kFollowing);
-      if (robot.state() == RobotState::kFollowing) {
-        enter((robot.tool().pose.position_m - log.toolAt(robot.index())).norm(), site.scene.soilWrench(), result);
-      }
-      if (robot_tick++ % course.period() == 0) {
-        // Reports of one command would stand one upon the other: a robot that waits has nothing new to tell.
-        const RobotReport report = robot.report();
-        if (state.reports.empty() || report.index > state.reports.back().index) {
-          state.reports = reports.add(report);
-        }
-        state.state = robot.state();
-        state.reason = robot.reason();
-        ++state.number;
-        down.send(now_s, bytesOf(state));
-      }
-      if (!model_heights.empty() && robot.index() >= static_cast<double>(next_compared)) {
-        surface.compare(site.heights(camera.grid()), model_heights.front());
-        model_heights.pop_front();
-        next_compared += kLookEvery;
-      }
-      if (std::optional<SitePacket> seen = camera.tick(static_cast<std::uint64_t>(robot.index()))) {
-        seen->robot_connection = kConnection;
-        down.send(now_s, bytesOf(*seen));
-      }
-    }
+  }
 
-    while (const std::optional<Link::Arrival> arrived = down.receive(now_s)) {
+  void tickRobot(double now_s) {
+    robot_.tick();
+    followed_.tick(robot_.state() == RobotState::kFollowing);
+    if (robot_.state() == RobotState::kFollowing) {
+      enter((robot_.tool().pose.position_m - log_.toolAt(robot_.index())).norm(), site_.scene.soilWrench(), result_);
+    }
+    if (robot_tick_++ % course_.period() == 0) {
+      // Reports of one command would stand one upon the other: a robot that waits has nothing new to tell.
+      const RobotReport report = robot_.report();
+      if (state_.reports.empty() || report.index > state_.reports.back().index) {
+        state_.reports = reports_.add(report);
+      }
+      state_.state = robot_.state();
+      state_.reason = robot_.reason();
+      ++state_.number;
+      down_.send(now_s, bytesOf(state_));
+    }
+    if (!model_heights_.empty() && robot_.index() >= static_cast<double>(next_compared_)) {
+      surface_.compare(site_.heights(camera_.grid()), model_heights_.front());
+      model_heights_.pop_front();
+      next_compared_ += kLookEvery;
+    }
+    if (std::optional<SitePacket> seen = camera_.tick(static_cast<std::uint64_t>(robot_.index()))) {
+      seen->robot_connection = kConnection;
+      down_.send(now_s, bytesOf(*seen));
+    }
+  }
+
+  void receiveReports(double now_s) {
+    while (const std::optional<Link::Arrival> arrived = down_.receive(now_s)) {
       if (const std::optional<SitePacket> seen = parseSite(arrived->packet)) {
-        known_site.take(*seen);
+        known_site_.take(*seen);
         continue;
       }
       const std::optional<StatePacket> packet = parseState(arrived->packet);
       for (const RobotReport& report : packet ? packet->reports : std::vector<RobotReport>()) {
-        if (!known.insert(report.index).second) {
-          continue;
-        }
-        newest_report = std::max(newest_report, report.index);
-        met = report.index >= met.index ? MetLast{report.met.force_n.norm(), report.index} : met;
-        if (const auto displayed_n = log.displayed().mean(report.index - report.ticks, report.index)) {
-          result.agreement.add(course.time(report.index), course.time(report.ticks), *displayed_n, report.met.force_n);
-          if (learning) {
-            learning->met(report, *displayed_n);
-          }
+        if (known_.insert(report.index).second) {
+          take(report);
         }
       }
     }
-    if (camera.looks() != looks) {
-      looks = camera.looks();
-      surface.look(now_s, camera.heights(), known_site);
+    if (camera_.looks() != looks_) {
+      looks_ = camera_.looks();
+      surface_.look(now_s, camera_.heights(), known_site_);
     }
-    behind.tick(newest_report > 0, now_s - course.time(newest_report));
   }
-  result.given_j = log.mostGiven();
-  result.behind_s = behind.mean();
-  result.followed_share = followed.value();
-  result.ran_out = robot.ranOut();
-  result.stops = robot.stops();
-  result.last_stop = robot.reason();
-  result.task = hand.hand().result();
-  result.known_surface_m = surface.known();
-  result.apart_surface_m = surface.apart();
-  result.up = up.counts();
-  result.down = down.counts();
-  if (learning) {
-    result.learned = learning->learned();
-    result.updates = learning->updates();
-    constexpr double kMost = 0.95;
-    result.update_jump = hand.watch().change(1);
-    result.most_update_jumps = hand.watch().change(kMost);
-    result.update_j = hand.watch().pushed();
+
+  void take(const RobotReport& report) {
+    newest_report_ = std::max(newest_report_, report.index);
+    met_ = report.index >= met_.index ? MetLast{report.met.force_n.norm(), report.index} : met_;
+    if (const auto displayed_n = log_.displayed().mean(report.index - report.ticks, report.index)) {
+      result_.agreement.add(course_.time(report.index), course_.time(report.ticks), *displayed_n, report.met.force_n);
+      if (learning_) {
+        learning_->met(report, *displayed_n);
+      }
+    }
   }
-  return result;
+
+  TeleopResult result() {
+    result_.given_j = log_.mostGiven();
+    result_.behind_s = behind_.mean();
+    result_.followed_share = followed_.value();
+    result_.ran_out = robot_.ranOut();
+    result_.stops = robot_.stops();
+    result_.last_stop = robot_.reason();
+    result_.task = hand_.hand().result();
+    result_.known_surface_m = surface_.known();
+    result_.apart_surface_m = surface_.apart();
+    result_.up = up_.counts();
+    result_.down = down_.counts();
+    if (learning_) {
+      result_.learned = learning_->learned();
+      result_.updates = learning_->updates();
+      constexpr double kMost = 0.95;
+      result_.update_jump = hand_.watch().change(1);
+      result_.most_update_jumps = hand_.watch().change(kMost);
+      result_.update_j = hand_.watch().pushed();
+    }
+    return std::move(result_);
+  }
+
+  const TeleopSetup& setup_;
+  TeleopResult result_;
+  Course course_;
+  ModelOperator hand_;
+  std::optional<LearningModel> learning_;
+  std::optional<SurfaceMender> mender_;
+  Site site_;
+  Robot robot_;
+  SiteCamera camera_;
+  SiteMap known_site_;
+  SurfaceWatch surface_;
+  std::deque<std::vector<double>> model_heights_;  ///< at every 250th command that the robot has not executed yet
+  Link up_, down_;
+  OperatorLog log_;
+  KeyframeHistory<Keyframe> commands_;
+  KeyframeHistory<RobotReport> reports_;
+  CommandPacket command_{.connection = kConnection};
+  StatePacket state_{.robot_connection = kConnection};
+  std::uint64_t newest_report_ = 0;
+  MetLast met_;
+  std::set<std::uint64_t> known_;  ///< indices of reports: others may overtake them, and all come more than once
+  double robot_ticks_ = 0;
+  std::uint64_t next_compared_ = 0, looks_ = 0, robot_tick_ = 0;
+  Mean behind_;
+  Share followed_;
+};
+
+}  // namespace
+
+TeleopResult simulateModel(const TeleopSetup& setup, const TeleopProgress& progress) {
+  return ModelSimulation(setup, progress).run();
 }
 
 }  // namespace haptolith::simulation

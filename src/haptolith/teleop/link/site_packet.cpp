@@ -1,7 +1,6 @@
 #include "haptolith/teleop/link/site_packet.h"
 
 #include <cmath>
-#include <string_view>
 
 #include "haptolith/core/packet_bytes.h"
 

@@ -1,7 +1,5 @@
 #include "haptolith/teleop/link/teleop_packet.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>

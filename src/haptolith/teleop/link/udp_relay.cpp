@@ -8,7 +8,6 @@
 #include <array>
 #include <chrono>
 #include <optional>
-#include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/teleop/link/udp_address.h"

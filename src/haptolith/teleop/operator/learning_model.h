@@ -57,7 +57,7 @@ class LearningModel {
 
  private:
   struct Window {
-    double ticks = 0, displayed_ratio = 0;
+    double ticks = 0;
     Vec3 displayed = Vec3::Zero(), met = Vec3::Zero();  ///< sums over ticks
     RobotReport first, last;
   };

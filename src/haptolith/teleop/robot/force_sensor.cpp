@@ -1,6 +1,5 @@
 #include "haptolith/teleop/robot/force_sensor.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "haptolith/core/random.h"
