@@ -160,7 +160,7 @@ class ModelSimulation {
         surface_(setup.up.delay_s + setup.down.delay_s + kSurfaceLate_s),
         up_(setup.up),
         down_(setup.down),
-        commands_(commandLags(setup.sending.period_s, setup.sending.command_keys)),
+        commands_(commandLags(setup.sending.period_s, setup.sending.command_keyframes)),
         reports_(reportLags(setup.sending.report_keys)) {
     if (setup.learns) {
       learning_.emplace(setup.model, *setup.learns);
