@@ -24,17 +24,17 @@ constexpr FileKind kClaims{.name = "file of claims",
                            .document = "docs/laboratory.md",
                            .left_out = "left out, so the default"};
 
-using Key = FileKey<MeasuredClaim>;
+using ClaimKey = FileKey<MeasuredClaim>;
 
 ClaimRun& overOf(MeasuredClaim& m) {
   return m.over ? *m.over : m.over.emplace(m.run);
 }
 
-std::vector<Key> claimKeys() {
+std::vector<ClaimKey> claimKeys() {
   using M = MeasuredClaim;
-  using Text = Key::TextValue;
-  using Number = Key::NumberValue;
-  using Interval = Key::IntervalValue;
+  using Text = ClaimKey::TextValue;
+  using Number = ClaimKey::NumberValue;
+  using Interval = ClaimKey::IntervalValue;
   constexpr Range kAny{-1e12, 1e12};
   constexpr Range kRadius_mm{0.1, 100};
   constexpr Range kTimes{0.01, 1000};
@@ -53,9 +53,9 @@ std::vector<Key> claimKeys() {
       {"", "factor", "factor", Number{{1, 100}, [](M& m, double v) { m.claim.factor = v; }, kOnlyRead}, ""},
       {"", "within", "within", Number{{0, 1}, [](M& m, double v) { m.claim.within = v; }, kOnlyRead}, ""},
       {"", "accepted", "accepted", Interval{kAny, [](M& m, const Range& v) { m.claim.accepted = v; }, kOnlyRead}, ""},
-      {"", "any_soil", "", Key::SwitchValue{[](M& m, bool v) { m.any_soil = v; }, kOnlyRead}, ""},
+      {"", "any_soil", "", ClaimKey::SwitchValue{[](M& m, bool v) { m.any_soil = v; }, kOnlyRead}, ""},
       {"", "specimens_times", "",
-       Key::CountValue{{1, 100}, [](M& m, std::int64_t v) { m.specimens_times = v; }, kOnlyRead}, ""},
+       ClaimKey::CountValue{{1, 100}, [](M& m, std::int64_t v) { m.specimens_times = v; }, kOnlyRead}, ""},
       {"", "test", "", Text{[](M& m, std::string_view v) { m.run.test = v; }, kOnlyRead}, ""},
       {"", "soil", "", Text{[](M& m, std::string_view v) { m.run.soil = v; }, kOnlyRead, TextSize::kPath}, ""},
       {"", "body", "", Text{[](M& m, std::string_view v) { m.run.body = v; }, kOnlyRead}, ""},
@@ -98,15 +98,15 @@ void readRunOptions(const TomlReader& reader, MeasuredClaim& measured) {
 }
 
 MeasuredClaim claimIn(const TomlReader& reader) {
-  const std::vector<Key> keys = claimKeys();
+  const std::vector<ClaimKey> keys = claimKeys();
   MeasuredClaim measured;
   for (const char* needed : {"id", "group", "claim", "test", "soil", "ours"}) {
     reader.require("", needed);
   }
-  for (const Key& key : keys) {
+  for (const ClaimKey& key : keys) {
     reader.apply(key, measured);
   }
-  std::vector<KeyName> known = keyNames(std::span<const Key>(keys));
+  std::vector<KeyName> known = keyNames(std::span<const ClaimKey>(keys));
   const LabTest test = labTest(measured.run.test);
   for (const LabOption& option : test.options) {
     known.push_back({"options", option.key});
