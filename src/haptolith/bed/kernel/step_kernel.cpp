@@ -194,7 +194,7 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
     fy = fy + floor.along_2;
     fz = fz + floor.away;
     // The nearer of the two walls across an axis; `wall.away` is given as the velocity along the axis.
-    const auto sideWall = [&](float half_m, V position, PairLaw::WallContact wall) HWY_ATTR {
+    const auto side_wall = [&](float half_m, V position, PairLaw::WallContact wall) HWY_ATTR {
       const V inwards = hn::IfThenElse(position < zero, one, zero - one);
       wall.distance = set(half_m) + inwards * position - x.w;
       wall.away = inwards * wall.away;
@@ -204,14 +204,14 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
     };
     if (box.walls_x) {
       const auto wall =
-          sideWall(box.half_width, x.x, {zero, v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z), kWallX});
+          side_wall(box.half_width, x.x, {zero, v.x, v.y, v.z, of(slips.x_wall_y), of(slips.x_wall_z), kWallX});
       fx = fx + wall.away;
       fy = fy + wall.along_1;
       fz = fz + wall.along_2;
     }
     if (box.walls_y) {
       const auto wall =
-          sideWall(box.half_length, x.y, {zero, v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z), kWallY});
+          side_wall(box.half_length, x.y, {zero, v.y, v.x, v.z, of(slips.y_wall_x), of(slips.y_wall_z), kWallY});
       fx = fx + wall.along_1;
       fy = fy + wall.away;
       fz = fz + wall.along_2;
