@@ -67,9 +67,10 @@ namespace haptolith::library {
 /// header since are served, so members only ever come at the end, and these never change.
 template <class Struct>
 inline constexpr std::size_t kFirstSize = 0;
-#define HAPTO_FIRST_SIZE(Struct, last_member) \
-  template <>                                 \
-  inline constexpr std::size_t kFirstSize<Struct> = offsetof(Struct, last_member) + sizeof(Struct::last_member)
+#define HAPTO_FIRST_SIZE(Struct, last_member)       \
+  template <>                                       \
+  inline constexpr std::size_t kFirstSize<Struct> = \
+      offsetof(Struct, last_member) + sizeof(Struct::last_member)  // NOLINT(bugprone-macro-parentheses)
 HAPTO_FIRST_SIZE(hapto_error, valid);
 HAPTO_FIRST_SIZE(hapto_array, data);
 HAPTO_FIRST_SIZE(hapto_scene_info, gravity_m_s2);
