@@ -98,6 +98,7 @@ class ScenePublisher::Implementation {
   Implementation& operator=(const Implementation&) = delete;
 
   void add(std::span<const TickRecord> ticks) noexcept {
+    added_.fetch_add(ticks.size(), std::memory_order_relaxed);
     for (const TickRecord& tick : ticks) {
       if (!ticks_.push({tick.time_s, tick.scene_T_tool, tick.soil, tick.sent.wrench})) {
         not_told_.fetch_add(1, std::memory_order_relaxed);
@@ -119,6 +120,11 @@ class ScenePublisher::Implementation {
   [[nodiscard]] std::shared_ptr<TargetInbox> inbox() const noexcept { return inbox_; }
 
   [[nodiscard]] SceneMessageCounts counts() const noexcept {
+    constexpr std::int64_t kLongest_ns = 1'000'000'000;
+    const std::int64_t until_ns = monotonicNs() + kLongest_ns;
+    while (told_ + not_told_ < added_ && monotonicNs() < until_ns) {
+      std::this_thread::sleep_for(kLook);
+    }
     return {told_, not_told_, surfaces_, targets_, strangers_, nonsense_};
   }
 
@@ -219,7 +225,7 @@ class ScenePublisher::Implementation {
 
   boost::lockfree::spsc_queue<ToldTick> ticks_{kTicksInFlight};
   std::shared_ptr<TargetInbox> inbox_ = std::make_shared<TargetInbox>();
-  std::atomic<std::uint64_t> told_{0}, not_told_{0}, surfaces_{0}, targets_{0}, strangers_{0}, nonsense_{0};
+  std::atomic<std::uint64_t> added_{0}, told_{0}, not_told_{0}, surfaces_{0}, targets_{0}, strangers_{0}, nonsense_{0};
 
   // Of the thread.
   TickStamps stamps_;

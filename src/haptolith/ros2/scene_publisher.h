@@ -59,7 +59,7 @@ class ScenePublisher {
 
   /// Where targets go.
   [[nodiscard]] std::shared_ptr<TargetInbox> inbox() const noexcept;
-  /// From any thread.
+  /// Counts of all ticks added so far, for which it waits at most a second. From any thread but the tick's.
   [[nodiscard]] SceneMessageCounts counts() const noexcept;
 
  private:
