@@ -88,7 +88,7 @@ ContactLists takeContacts(std::string_view& bytes, const Header& header) {
         take(bytes, slip, contacts.remembers() ? 1 : 0);
       }
       if (!there || other[0] < 0 || static_cast<std::uint64_t>(other[0]) >= header.particles ||
-          !contacts.add(i, other[0])) {
+          static_cast<std::size_t>(other[0]) == i || !contacts.add(i, other[0])) {
         throw Failure("this saved bed is damaged: its neighbour lists are malformed");
       }
       if (contacts.remembers()) {
