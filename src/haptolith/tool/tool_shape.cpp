@@ -109,7 +109,6 @@ Penetration beside(const Outline& outline, double half_height_m, const Vec3& cen
 
 /// Over, under or inside the tool: measured from the face the particle came to.
 Penetration overFace(const Outline& outline, double half_height_m, const Vec3& centre_m, double radius_m, int side) {
-  HAPTO_ASSERT(side >= -1 && side <= 1);
   HAPTO_ASSERT(half_height_m > 0);
   const double below_other_face = -side * centre_m.z() - half_height_m;
   const bool passed_through = side != 0 && below_other_face > radius_m;
@@ -132,7 +131,6 @@ std::int8_t packed(const std::array<int, 2>& sides) {
   return static_cast<std::int8_t>(sides[0] + 3 * sides[1]);
 }
 std::array<int, 2> sidesOf(std::int8_t packed) {
-  HAPTO_ASSERT(packed >= -4 && packed <= 4);
   const int right = (packed + 4) / 3 - 1;
   return {packed - 3 * right, right};
 }

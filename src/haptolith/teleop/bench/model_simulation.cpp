@@ -201,7 +201,7 @@ class ModelSimulation {
       const Scene& model = hand_.site().scene;
       mender_->look(tick, seenSoil(model.bed()), model.toolPose().position_m, known_site_);
     }
-    const std::optional<GrainMove> move = mender_ ? mender_->next(hand_.inAir()) : std::nullopt;
+    std::optional<GrainMove> move = mender_ ? mender_->next(hand_.inAir()) : std::nullopt;
     if (move) {
       hand_.move(*move);
     }
