@@ -63,7 +63,6 @@ void ContactLists::setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noe
 bool ContactLists::add(std::size_t i, std::int32_t j) noexcept {
   HAPTO_ASSERT(i < particles());
   HAPTO_ASSERT(j >= 0 && static_cast<std::size_t>(j) < particles());
-  HAPTO_ASSERT(static_cast<std::size_t>(j) != i);
   HAPTO_ASSERT(count_[i] <= kRooms[room_[i / kGroup]]);
   const std::size_t group = i / kGroup;
   const std::uint16_t s = count_[i];
