@@ -32,7 +32,7 @@ Outline boxOutline(const Vec3& half_m, const Vec3& centre_m) {
 }
 
 Outline discOutline(double radius_m, const Vec3& centre_m) {
-  HAPTO_ASSERT(radius_m > 0);
+  HAPTO_ASSERT(radius_m >= 0);
   const double from_axis = std::hypot(centre_m.x(), centre_m.y());
   Outline outline;
   outline.inside_m = radius_m - from_axis;
@@ -43,7 +43,7 @@ Outline discOutline(double radius_m, const Vec3& centre_m) {
 }
 
 Penetration sphere(double tool_radius_m, const Vec3& centre_m, double radius_m) {
-  HAPTO_ASSERT(tool_radius_m > 0 && radius_m > 0);
+  HAPTO_ASSERT(tool_radius_m > 0 && radius_m >= 0);
   const double distance = centre_m.norm();
   return {.depth_m = tool_radius_m + radius_m - distance,
           .outward = distance > 0 ? Vec3(centre_m / distance) : Vec3::UnitZ(),
@@ -159,7 +159,7 @@ void share(JawContacts& contacts, const ToolParameters& tool, double radius_m) {
 
 Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double radius_m, int side) noexcept {
   HAPTO_ASSERT(tool.shape != ToolShape::kMesh || tool.mesh != nullptr);
-  HAPTO_ASSERT(radius_m > 0);
+  HAPTO_ASSERT(radius_m >= 0);
   const auto faced = [&](const Outline& outline, double half_height_m) {
     Penetration found = outline.inside_m < 0 ? beside(outline, half_height_m, centre_m, radius_m)
                                              : overFace(outline, half_height_m, centre_m, radius_m, side);

@@ -119,7 +119,6 @@ std::optional<Grip> gripOf(Manoeuvre manoeuvre) {
 
 /// Minimum-jerk course from 0 to 1.
 double minimumJerk(double s) {
-  HAPTO_ASSERT(s >= 0 && s <= 1);
   return s * s * s * (10 - s * (15 - 6 * s));
 }
 
