@@ -126,8 +126,6 @@ Penetration overFace(const Outline& outline, double half_height_m, const Vec3& c
 
 /// Two sides, each -1, 0 or 1, as one number from -4 to 4; 0 for neither side.
 std::int8_t packed(const std::array<int, 2>& sides) {
-  HAPTO_ASSERT(sides[0] >= -1 && sides[0] <= 1);
-  HAPTO_ASSERT(sides[1] >= -1 && sides[1] <= 1);
   return static_cast<std::int8_t>(sides[0] + 3 * sides[1]);
 }
 std::array<int, 2> sidesOf(std::int8_t packed) {
