@@ -379,7 +379,7 @@ class Device {
   /// Takes the device wrench, device frame.
   virtual void write(const hapto_device_output &force) noexcept = 0;
   /// From any thread: zero force at once and until resumeForce().
-  virtual void releaseForce() noexcept { letGo(); }      // the deprecated name still works
+  virtual void releaseForce() noexcept { letGo(); }  // the deprecated name still works
   virtual void resumeForce() noexcept { takeUp(); }  // the deprecated name still works
   virtual void letGo() noexcept {}   ///< deprecated: releaseForce()
   virtual void takeUp() noexcept {}  ///< deprecated: resumeForce()

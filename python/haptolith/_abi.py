@@ -89,7 +89,8 @@ class Tick(Structure):
                 ("device_state", c_int32), ("reserved", c_uint32), ("time_s", c_double), ("device_pose", Pose),
                 ("device_twist", Twist), ("gripper_open", c_double), ("scene_T_tool", Pose),
                 ("soil_wrench", Wrench), ("rendered", Wrench), ("rendered_gripper_n", c_double),
-                ("device_wrench", Wrench), ("device_gripper_n", c_double), ("injected_j", c_double), ("quick_injected_j", c_double), ("tick_us", c_double), ("late_us", c_double),
+                ("device_wrench", Wrench), ("device_gripper_n", c_double), ("injected_j", c_double),
+                ("quick_injected_j", c_double), ("tick_us", c_double), ("late_us", c_double),
                 ("state_hash", c_uint64)]
 
 

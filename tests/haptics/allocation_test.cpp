@@ -34,7 +34,7 @@ long allocationsIn(int ticks, const BedParameters& bed, Manoeuvre manoeuvre, Han
   LoopParameters loop_parameters;
   loop_parameters.paced = false;
   HapticLoop loop(scene, hand, loop_parameters, true);
-  const std::uint64_t listRebuilds = scene.bed().listRebuilds();
+  const std::uint64_t list_rebuilds = scene.bed().listRebuilds();
   const long before = allocations;
   for (int i = 0; i < ticks; ++i) {
     if (loop.tick() != LoopEnd::kRunning) {
@@ -43,7 +43,7 @@ long allocationsIn(int ticks, const BedParameters& bed, Manoeuvre manoeuvre, Han
     }
   }
   const long during = allocations - before;
-  EXPECT_GT(scene.bed().listRebuilds(), listRebuilds + 100) << "nobody entered again: too quiet a scene";
+  EXPECT_GT(scene.bed().listRebuilds(), list_rebuilds + 100) << "too few lists were rebuilt: too quiet a scene";
   return during;
 }
 

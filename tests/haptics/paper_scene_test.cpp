@@ -16,7 +16,7 @@ struct Outcome {
   std::uint64_t hash = 0;
   double largest_force_n = 0;
   double speed_m_s = 0;
-  std::uint64_t listRebuilds = 0;
+  std::uint64_t list_rebuilds = 0;
 };
 
 /// Sixty seconds of a manoeuvre, the last five or more with the hand away.
@@ -55,11 +55,11 @@ class PaperScene : public testing::TestWithParam<Manoeuvre> {};
 TEST_P(PaperScene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
   const Outcome first = minuteOf(GetParam(), HandCompliance::kArm);
   RecordProperty("largest_force_mn", static_cast<int>(1e3 * first.largest_force_n));
-  RecordProperty("listRebuilds", static_cast<int>(first.listRebuilds));
+  RecordProperty("list_rebuilds", static_cast<int>(first.list_rebuilds));
   EXPECT_LT(first.speed_m_s, 1e-4) << "5 s after the hand has left";
   EXPECT_GT(first.largest_force_n, 0.05) << "the hand felt nothing";
   EXPECT_LE(first.largest_force_n, 12 + 1e-9);
-  EXPECT_GT(first.listRebuilds, 2000U);
+  EXPECT_GT(first.list_rebuilds, 2000U);
   const Outcome second = minuteOf(GetParam(), HandCompliance::kArm);
   EXPECT_EQ(first.hash, second.hash);
 }

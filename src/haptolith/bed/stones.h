@@ -62,7 +62,7 @@ class Stones {
   [[nodiscard]] Pose pose(std::size_t stone) const noexcept;
   /// Of all. Not for the tick.
   [[nodiscard]] std::vector<Pose> poses() const;
-  /// Of its centre of mass, scene frame.
+  /// Twist of a stone's centre of mass, scene frame.
   [[nodiscard]] Twist twist(std::size_t stone) const noexcept;
   [[nodiscard]] double mass(std::size_t stone) const noexcept { return bodies_[stone].mass_kg; }
   /// Principal moments of inertia, in kg m^2.

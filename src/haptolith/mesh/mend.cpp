@@ -217,7 +217,7 @@ std::size_t dropLooseParts(TriangleMesh& mesh) {
   return gone;
 }
 
-/// What HoleCloser found.
+/// Result of HoleCloser.
 struct Holes {
   std::size_t closed = 0;
   std::size_t open = 0;

@@ -127,7 +127,7 @@ StepStatus Scene::tick(const HandState& hand) noexcept {
     stiffness_n_m_ = now.stiffness_n_m;
     status = bed_.step(dt);
   }
-  constexpr std::uint64_t kStepsPerCheck = 512;  // of debug and sanitizer builds: a check takes as long as some steps
+  constexpr std::uint64_t kStepsPerCheck = 512;  // in debug and sanitizer builds; a check takes as long as a few steps
   HAPTO_ASSERT(status != StepStatus::kOk ||
                bed_.state().step % kStepsPerCheck >= static_cast<std::uint64_t>(substeps_) ||
                inconsistency(bed_.state()).empty());

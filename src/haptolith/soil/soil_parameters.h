@@ -46,10 +46,10 @@ enum class SoilRole {
               ///< number is of contacts
 };
 
-/// How a number may change in a bed as it lies.
+/// Changes of a number that a bed allows without being made again.
 enum class SoilChange { kFree, kNotLarger, kNever };
 
-/// How the browser view and studies set a number while the soil lies there.
+/// Slider of the browser view and of studies.
 struct SoilControl {
   std::string_view key, label, unit, axis_label, meaning;  ///< empty: they do not
   double unit_si = 1;
@@ -71,7 +71,7 @@ struct SoilNumber {
   SoilControl control = {};
 
   [[nodiscard]] constexpr bool isUsedBy(FrictionModel friction) const { return !model || *model == friction; }
-  /// A preset has one, and a soil with another is none.
+  /// Whether presets define it, so that a soil with another value is no preset.
   [[nodiscard]] constexpr bool makesPreset() const {
     return role == SoilRole::kDefining && model != FrictionModel::kContact;
   }

@@ -601,8 +601,8 @@ namespace Haptolith
     public static extern int hapto_loop_start(IntPtr loop);
 
     /// <summary>
-    /// One tick. late: whether the one before ended late (1). There is no watchdog: the caller has to set the device's force to zero when it
-    /// cannot tick. HAPTO_ENDED when it was the last. [1 kHz]
+    /// One tick. late: whether the one before ended late (1). There is no watchdog: the caller has to set the
+    /// device's force to zero when it cannot tick. HAPTO_ENDED when it was the last. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_tick(IntPtr loop, int late);

@@ -9,8 +9,8 @@ namespace haptolith {
 /// Walls as bits of StepArrays::near_walls. Of two opposite walls only the nearer one is in reach.
 enum WallBit : std::uint8_t { kFloor = 1, kWallX = 2, kWallY = 4 };
 
-/// What a step reads and writes. G groups of kGroup, N = kGroup G particles, of which those after the particles are
-/// ghosts, R rows of kGroup entries in the contact lists' pool.
+/// Arrays that a step reads and writes: G groups of kGroup entries, N = kGroup G in all, of which those after the
+/// particles are ghosts, R rows of kGroup entries in the contact lists' pool.
 struct StepArrays {
   // Read. Which groups are stepped:
   const std::uint32_t* groups;  ///< those to step, and one number more behind the last; null: all G

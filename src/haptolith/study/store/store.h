@@ -20,7 +20,7 @@
 
 namespace haptolith {
 
-/// How a stimulus was explored and of the forces on the hand. NaN: not known.
+/// Exploration of a stimulus, and the forces on the hand. NaN: not known.
 struct TrialSummary {
   double duration_s = std::numeric_limits<double>::quiet_NaN();
   double path_m = std::numeric_limits<double>::quiet_NaN();  ///< of the tool

@@ -62,7 +62,7 @@ class Robot {
   /// where the tool is. While the arm is not ready the robot is taring. @throws InvalidParameter as validate().
   Robot(const RobotParameters& parameters, std::unique_ptr<RobotArm> arm, double tick_s);
 
-  /// What a packet brought: keyframes of an operator's program that calls itself `connection`.
+  /// Takes the keyframes of a packet. @param connection  number that the operator's program has drawn.
   void take(std::uint32_t connection, bool held, std::span<const Keyframe> keyframes);
   /// Asks its sensor for a new zero when it next hangs still in the air: not while it follows.
   void tare() noexcept { wants_tare_ = true; }
