@@ -141,6 +141,7 @@ bool Neighbourhood::buildAll(const std::vector<Float4>& reference_position, Cont
     const auto particle = static_cast<std::int32_t>(i);
     const std::uint32_t near = findNear(particle, reference_position);
     for (std::uint32_t k = 0; k < near; ++k) {
+      HAPTO_ASSERT(static_cast<std::size_t>(near_[k]) < n);  // not the ghost
       if (!lists.add(i, near_[k])) {
         return false;
       }

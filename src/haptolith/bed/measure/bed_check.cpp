@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <vector>
 
 namespace haptolith {
 
@@ -50,13 +50,13 @@ std::string wrongInRecords(const BedState& state) {
 
 std::string wrongInList(const BedState& state, std::size_t i) {
   const ContactLists& lists = state.contacts;
-  std::vector<std::int32_t> named;
+  std::array<std::int32_t, ContactLists::kMostNeighbours> named;  // allocates nothing: debug builds check in the tick
   for (std::uint32_t s = 0; s < lists.count(i); ++s) {
     const std::int32_t j = lists.neighbour(i, s);
     if (j < 0 || static_cast<std::size_t>(j) >= state.particles() || static_cast<std::size_t>(j) == i) {
       return fmt::format("particle {} lists {}", i, j);
     }
-    named.push_back(j);
+    named[s] = j;
     const auto other = static_cast<std::size_t>(j);
     const std::uint32_t back = placeIn(lists, other, i);
     if (back == lists.count(other)) {
@@ -67,8 +67,9 @@ std::string wrongInList(const BedState& state, std::size_t i) {
       return fmt::format("particles {} and {} remember different slips", i, j);
     }
   }
-  std::ranges::sort(named);
-  if (const auto twice = std::ranges::adjacent_find(named); twice != named.end()) {
+  const auto end = named.begin() + lists.count(i);
+  std::sort(named.begin(), end);
+  if (const auto twice = std::adjacent_find(named.begin(), end); twice != end) {
     return fmt::format("particle {} lists {} twice", i, *twice);
   }
   return {};
