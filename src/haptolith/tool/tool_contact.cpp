@@ -83,7 +83,7 @@ class FrictionalTool {
 
   /// @param slip_m  how far the particle has slid along the tool so far, scene frame; read and written.
   Answer meet(const Meeting& meeting, Vec3& slip_m) const noexcept {
-    HAPTO_ASSERT(stiffness_ > 0 && tangential_stiffness_ > 0);
+    HAPTO_ASSERT(stiffness_ >= 0 && tangential_stiffness_ >= 0);
     HAPTO_ASSERT(friction_.dt > 0);
     const Vec3& n = meeting.outward;
     if (meeting.depth_m <= -reach_m_) {
