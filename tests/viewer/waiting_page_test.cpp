@@ -38,12 +38,12 @@ TEST(WaitingPage, SaysWhatTheProgramDoesAndReloadsItself) {
 TEST(WaitingPage, LeavesItsPortToTheServer) {
   std::uint16_t port = 0;
   {
-    const WaitingPage page({.port = 38080});
+    const WaitingPage page({.port = 38090});
     port = page.port();
     (void)pageAt(port);
   }
   Board board(std::string("{}"));
-  EXPECT_EQ(WebServer({.port = 38080}, board).port(), port);
+  EXPECT_EQ(WebServer({.port = port}, board).port(), port);
 }
 
 TEST(WaitingPage, OfAnyPortServesNothing) {
