@@ -319,6 +319,18 @@ TEST(Neighbourhood, TheOrderOfListsDoesNotDependOnTheHistoryOfCells) {
   }
 }
 
+TEST(Neighbourhood, AParticleFarOutsideOrOfAbsurdSizeDoesNotListTheGhost) {
+  for (const Float4& odd : {kGhost, Float4{0.1F, 0.1F, 0.1F, 1e10F}}) {
+    Listed listed({odd, {0.02F, 0.02F, 0.02F, 0}}, {.width_m = 0.2, .length_m = 0.2, .height_m = 0.2, .periods = {}});
+    ASSERT_TRUE(listed.buildAll());
+    for (std::size_t i = 0; i < 2; ++i) {
+      for (std::uint32_t s = 0; s < listed.lists.count(i); ++s) {
+        EXPECT_LT(listed.lists.neighbour(i, s), 2) << i;
+      }
+    }
+  }
+}
+
 TEST(ContactLists, AParticleThatIsNotListedIsFoundNowhereAndADebugBuildAborts) {
   ContactLists lists(40, true);
   ASSERT_TRUE(lists.add(3, 7));

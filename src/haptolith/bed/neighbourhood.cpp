@@ -119,9 +119,8 @@ std::uint32_t Neighbourhood::findNear(std::int32_t particle, const std::vector<F
       found += grid.candidatesWithin(here, rule.reach_m - rule.lessBy(c) + here.w + largest_m, out);
     }
   }
-  // Whole vectors are read: what lies behind the candidates is the ghost, who is near nobody.
-  std::fill_n(candidates_.begin() + static_cast<std::ptrdiff_t>(found), kGroup,
-              static_cast<std::int32_t>(reference_position.size()) - 1);
+  // Whole vectors are read: behind the candidates stands the particle itself, which is never its own neighbour.
+  std::fill_n(candidates_.begin() + static_cast<std::ptrdiff_t>(found), kGroup, particle);
   return HWY_DYNAMIC_DISPATCH(selectNearOf)(reference_position.data(), periods_, rule, particle, candidates_.data(),
                                             found, near_.data());
 }
@@ -141,7 +140,7 @@ bool Neighbourhood::buildAll(const std::vector<Float4>& reference_position, Cont
     const auto particle = static_cast<std::int32_t>(i);
     const std::uint32_t near = findNear(particle, reference_position);
     for (std::uint32_t k = 0; k < near; ++k) {
-      HAPTO_ASSERT(static_cast<std::size_t>(near_[k]) < n);  // not the ghost
+      HAPTO_ASSERT(static_cast<std::size_t>(near_[k]) < n);
       if (!lists.add(i, near_[k])) {
         return false;
       }
