@@ -174,7 +174,6 @@ TEST_F(SoilCommands, PresetsListsAllSix) {
 
 TEST_F(SoilCommands, ListTellsWhatWasMeasuredOfTheNamedSoils) {
   const json soils = runJson("soil list")["soils"];
-  ASSERT_GE(soils.size(), 13u);
   const auto soil =
       std::find_if(soils.begin(), soils.end(), [](const json& row) { return row["name"] == "surveyor-3"; });
   ASSERT_NE(soil, soils.end());

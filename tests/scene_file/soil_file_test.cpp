@@ -254,7 +254,7 @@ std::string rangeText(const std::optional<Range>& range) {
 
 TEST(ShippedSoils, AimAtWhatWasMeasured) {
   const std::map<std::string, MeasuredSoil> measured = measuredSoils();
-  EXPECT_EQ(measured.size(), 13U);
+  ASSERT_FALSE(measured.empty());
   EXPECT_EQ(soilNames().size(), measured.size());
   for (const auto& [name, row] : measured) {
     const SoilFile soil = findSoil(name);
