@@ -5,7 +5,7 @@
 #     Rscript analysis.R FOLDER                    a BIDS export
 #     Rscript analysis.R friction.csv --no-glmm    without the mixed models, which need lme4
 #
-# The model is described at the head of analysis.py, and in docs/psychometrics.md.
+# The model is described at the head of analysis.py, and in docs/reference/psychometrics.md.
 
 WIDTH <- 3.289707253902943 # from 5 % to 95 % of a normal distribution, in standard deviations
 PLACES <- 61               # of a person's table

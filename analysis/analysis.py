@@ -7,7 +7,7 @@
 
 Needs numpy and scipy; statsmodels for the mixed models (Debian: python3-numpy python3-scipy python3-statsmodels).
 
-The model (docs/psychometrics.md). Person i answers "more" to the stimulus x with the probability
+The model (docs/reference/psychometrics.md). Person i answers "more" to the stimulus x with the probability
 
     psi(x) = c + (1 - 2 c) Phi((ln x - t_i) / ln(1 + w_i)),   t_i ~ N(m_t, s_t),   ln w_i ~ N(m_w, s_w)
 

@@ -99,7 +99,7 @@ function(haptolith_quickly_compiled target)
 endfunction()
 
 # haptolith_module(soil SOURCES a.cpp b.cpp DEPENDS core LIBRARIES PkgConfig::nlopt)
-# DEPENDS names folders that stand above this one (docs/architecture.md); LIBRARIES are external and stay private.
+# DEPENDS names folders that stand above this one (docs/contributing/architecture.md); LIBRARIES are external and stay private.
 function(haptolith_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   add_library(haptolith_${name} STATIC ${ARG_SOURCES})

@@ -5,7 +5,7 @@
     examples/network_device.py              in another
 
 With a key that both know, packets are signed: openssl rand -hex 32 > device.key, and --device-key-file device.key there,
---key-file device.key here. Both packets are described in docs/udp.md. Nothing but Python's standard library is needed.
+--key-file device.key here. Both packets are described in docs/reference/udp.md. Nothing but Python's standard library is needed.
 """
 
 import argparse

@@ -1,4 +1,5 @@
-// The arrows of docs/architecture.md: a folder of src/haptolith includes only the folders it may depend on.
+// The arrows of docs/contributing/architecture.md: a folder of src/haptolith includes only the folders it may depend
+// on.
 
 #include <gmock/gmock.h>
 
@@ -104,7 +105,7 @@ Folders mayInclude(const std::string& folder) {
 /// What is wrong with the includes in one file of `folder`, one sentence each.
 std::vector<std::string> violations(const std::string& folder, const std::string& file, std::istream& text) {
   if (!kArrows.contains(folder)) {
-    return {file + ": folder " + folder + " is not in docs/architecture.md"};
+    return {file + ": folder " + folder + " is not in docs/contributing/architecture.md"};
   }
   static const std::regex kOurs(R"(^\s*#\s*include\s*["<]haptolith/([^">]+/[^">]+)[">].*)");
   static const std::regex kRelative(R"(^\s*#\s*include\s*"\.\./.*)");
@@ -233,7 +234,8 @@ TEST(Architecture, NoFolderHasMoreThan30Sources) {
 }
 
 TEST(Architecture, TheCheckRefusesUnknownFoldersAndRelativePaths) {
-  EXPECT_THAT(violationsIn("utils", ""), ElementsAre("made_up.h: folder utils is not in docs/architecture.md"));
+  EXPECT_THAT(violationsIn("utils", ""),
+              ElementsAre("made_up.h: folder utils is not in docs/contributing/architecture.md"));
   EXPECT_THAT(violationsIn("bed", "#include \"../tool/tool.h\"\n"),
               ElementsAre("made_up.h:1: includes by a relative path"));
 }

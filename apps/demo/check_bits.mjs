@@ -4,7 +4,7 @@
 //
 // The hashes are the rows `WebAssembly` of tests/data/reference_hashes.csv; HAPTOLITH_RENEW_HASHES=1 renews them there
 // (./dev hashes). The bits are those of neither AVX nor SSE: WebAssembly has no first guesses of reciprocals, and the C library's sines are
-// others (docs/demo.md).
+// others (docs/how-to/share-in-a-browser.md).
 
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';

@@ -32,7 +32,7 @@ enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 constexpr const char* kProgramExamples = R"(Examples:
   haptolith run                          soil of the Moon, felt by a virtual hand
   haptolith run paper                    the paper's scene
-  haptolith run scenes/rain.toml         one from a file (docs/scenes.md)
+  haptolith run scenes/rain.toml         one from a file (docs/reference/scenes.md)
   haptolith snapshot --out view.png      a picture of a run, without a screen
   haptolith soil profile --preset P3     density and strength over depth
   haptolith lab shear --soil dry-sand    what a soil laboratory would measure

@@ -10,7 +10,8 @@
 
 namespace hand_in_the_loop {
 
-// Both packets of docs/devices.md, "Any other device or program: UDP", written from its tables and from nothing else.
+// Both packets of docs/how-to/devices.md, "Any other device or program: UDP", written from its tables and from nothing
+// else.
 
 /// What the program that holds the tool sends.
 struct DevicePacket {

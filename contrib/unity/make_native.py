@@ -17,7 +17,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 HEADER = SOURCE / "include/haptolith/haptolith.h"
 NATIVE = SOURCE / "contrib/unity/org.haptolith/Runtime/Native.cs"
 
-sys.path.insert(0, str(SOURCE / "manual"))
+sys.path.insert(0, str(SOURCE / "docs/make"))
 sys.dont_write_bytecode = True
 from make_manual import items_of  # noqa: E402  # pylint: disable=wrong-import-position
 

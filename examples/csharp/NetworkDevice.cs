@@ -5,7 +5,7 @@
 //
 // circle.exe [ADDRESS [SECONDS [HEIGHT_MM]]], of 127.0.0.1:9050, 10 s and -90 mm: the circle's height in the device's
 // frame, whose origin lies 85 mm above the soil. It needs .NET's own library only, and knows no keys. The packets are
-// those of include/haptolith/network_device.h; their offsets are in docs/udp.md.
+// those of include/haptolith/network_device.h; their offsets are in docs/reference/udp.md.
 
 using System;
 using System.Diagnostics;

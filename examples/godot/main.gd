@@ -110,7 +110,7 @@ func hold_tool(_nothing):
 	lock.unlock()
 
 
-# The 136 bytes of docs/udp.md; everything is in Godot's frame.
+# The 136 bytes of docs/reference/udp.md; everything is in Godot's frame.
 func packet(sequence, time_us, at_m, rotation, velocity_m_s, angular_velocity_rad_s):
 	var bytes = StreamPeerBuffer.new()
 	bytes.big_endian = false

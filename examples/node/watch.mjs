@@ -2,7 +2,7 @@
 // the force was. Exit status 1: it could not connect, or a message was damaged.
 //
 //     haptolith run paper --hand scoop --port 8080          in one terminal
-//     node watch.mjs --address ws://127.0.0.1:8080/ws       in another, where haptolith-protocol is installed (docs/protocol.md)
+//     node watch.mjs --address ws://127.0.0.1:8080/ws       in another, where haptolith-protocol is installed (docs/reference/web-protocol.md)
 //
 // Options: --address, --seconds 5, and where the program wants one, --token TEXT.
 

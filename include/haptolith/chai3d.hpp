@@ -1,4 +1,4 @@
-// CHAI3D 3.3 and libhaptolith, both ways (docs/chai3d.md). Header only, over haptolith.h; C++11, as CHAI3D itself.
+// CHAI3D 3.3 and libhaptolith, both ways (docs/how-to/chai3d.md). Header only, over haptolith.h; C++11, as CHAI3D itself.
 //
 //     auto *bed = new hapto::cHaptolithBed(scene);            // a CHAI3D object: the soil, drawn
 //     auto *tool = new hapto::cHaptolithTool(world, *bed);    // a CHAI3D tool: the shovel that feels it

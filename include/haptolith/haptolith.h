@@ -14,7 +14,7 @@
  *   - Device frame: a haptic device's own. hapto_device_limits.turn_rad and the scene's [mapping] turn it into the scene's.
  *   - Soil wrench: what the soil does to the tool, about the tool's origin, scene frame, unfiltered. Device wrench: what is
  *     sent to the device, behind mapping, filter and safety layer, about the handle's origin, device frame.
- *   - Parameters are the keys of scene files (docs/scenes.md): as a file, as text, or as overrides
+ *   - Parameters are the keys of scene files (docs/reference/scenes.md): as a file, as text, or as overrides
  *     "table.key=value", for example "soil.preset=P3" or "bed.threads=4".
  *   - Every function returns a status; HAPTO_OK is 0. What was wrong is told by hapto_last_error(). Nothing is printed,
  *     nothing is thrown, and no call ends the process.
@@ -273,7 +273,7 @@ HAPTO_API int32_t hapto_batch_destroy(hapto_batch *batch);
 HAPTO_API int32_t hapto_soil_find(const char *name_or_path, hapto_soil **out);
 HAPTO_API int32_t hapto_soil_from_toml(const char *text, const char *name, hapto_soil **out);
 HAPTO_API int32_t hapto_soil_destroy(hapto_soil *soil);
-/* A number of its file (docs/soils.md): "target.friction_angle_deg", "soil.radius_mm", "reached.cohesion_pa".
+/* A number of its file (docs/reference/soils.md): "target.friction_angle_deg", "soil.radius_mm", "reached.cohesion_pa".
  * HAPTO_INVALID_PARAMETER for a key that the soil has not. */
 HAPTO_API int32_t hapto_soil_get(const hapto_soil *soil, const char *key, double *out);
 /* As a soil file; as hapto_scene_get_toml(). HAPTO_INVALID_PARAMETER for a preset, of which nothing was measured. */
@@ -282,7 +282,7 @@ HAPTO_API int32_t hapto_soil_get_toml(const hapto_soil *soil, char *text, uint64
  * density_kg_m3. */
 HAPTO_API int32_t hapto_soil_profile(const hapto_soil *soil, double gravity_m_s2, double depth_m, hapto_result **out);
 
-/* Finds contact parameters with which a sheared bed matches measured values (docs/laboratory.md); takes minutes.
+/* Finds contact parameters with which a sheared bed matches measured values (docs/how-to/test-a-soil.md); takes minutes.
  * target  "friction_angle_deg = 42\ncohesion_pa = 520\nbulk_density_kg_m3 = 1500" in TOML, and if need be strength ("residual" or
  *         "peak"), density ("lunar", more of it deeper, or "constant"), radius_mm, stiffness_n_m, body or gravity_m_s2, seed,
  *         threads, specimens, name, source.
@@ -292,7 +292,7 @@ HAPTO_API int32_t hapto_soil_calibrate(const char *target, hapto_progress progre
 
 /* --- the laboratory --------------------------------------------------------------------------------------------------- */
 
-/* A test of the soil laboratory, as `haptolith lab TEST` makes it (hapto_list("lab tests"); docs/laboratory.md).
+/* A test of the soil laboratory, as `haptolith lab TEST` makes it (hapto_list("lab tests"); docs/how-to/test-a-soil.md).
  * options  keys in TOML, as the command's options with _ for -: "normal_pa = [300, 1000, 3000]\nseed = 2\nbody = 'Earth'"; NULL or
  *          "": the usual ones.
  * out      the numbers that `--json` prints, "findings" beside what they should be, and the trace as columns.
@@ -302,7 +302,7 @@ HAPTO_API int32_t hapto_lab_test(const char *test, const hapto_soil *soil, const
 
 /* --- psychometric functions ----------------------------------------------------------------------------------------------- */
 
-/* Fits a psychometric function to answers, as `haptolith study fit` does (docs/psychometrics.md).
+/* Fits a psychometric function to answers, as `haptolith study fit` does (docs/reference/psychometrics.md).
  * levels   `count` rows of three numbers: stimulus, positive answers, answers.
  * options  TOML: design, alternatives, sigmoid, log_x, falling, reference, free_threshold, lapse, guess, overdispersion (a number
  *          or "free"), method, confidence, simulations, pool_tolerance; NULL or "": sigmoid "weber", design "equal-asymptote".
@@ -414,7 +414,7 @@ typedef struct hapto_snapshot {
  * device is sent zero. */
 HAPTO_API int32_t hapto_loop_snapshot(hapto_loop *loop, hapto_snapshot *out);
 
-/* Safety trips: why the safety layer sets the force to zero (docs/safety.md). */
+/* Safety trips: why the safety layer sets the force to zero (docs/explanation/safety.md). */
 enum {
   HAPTO_TRIP_NONE = 0,              /* no trip */
   HAPTO_TRIP_DEVICE_NOT_FINITE = 1, /* the device's pose or velocity is NaN or infinite */
@@ -444,7 +444,7 @@ enum {
   HAPTO_TICK_GRAIN_MOVED = 4096    /* deprecated: HAPTO_TICK_PARTICLE_MOVED */
 };
 
-/* One tick, as recordings hold it (docs/recording.md). */
+/* One tick, as recordings hold it (docs/how-to/record-and-replay.md). */
 typedef struct hapto_tick {
   uint32_t size;
   uint32_t flags;              /* HAPTO_TICK_... */
@@ -463,7 +463,7 @@ typedef struct hapto_tick {
   HAPTO_RENAMED(hapto_wrench device_wrench, hapto_wrench felt); /* sent to the device, about the handle's origin, device frame */
   HAPTO_RENAMED(double device_gripper_n, double felt_gripper_n); /* sent to the gripper; > 0 opens the fingers */
   double injected_j;           /* energy that the hand was given beyond what it gave */
-  double quick_injected_j;     /* the same by the quick account (docs/safety.md) */
+  double quick_injected_j;     /* the same by the quick account (docs/explanation/safety.md) */
   double tick_us, late_us;     /* work of this tick, and how late it began */
   uint64_t state_hash;         /* of a part of the soil; 0 without HAPTO_LOOP_HASHES */
 } hapto_tick;
@@ -484,7 +484,7 @@ HAPTO_API int32_t hapto_loop_change(hapto_loop *loop, const char *const *overrid
 
 /* --- the safety layer alone, for hosts with a loop and a device of their own -------------------------------------------- */
 
-/* What stands between a simulated force and a person's hand (docs/safety.md): plausibility of the input, soft start, the
+/* What stands between a simulated force and a person's hand (docs/explanation/safety.md): plausibility of the input, soft start, the
  * device's limits and rates, passivity.
  * overrides      keys of [safety], "safety.soft_start_s=1".
  * tick_s         of the caller's loop, 0.0001 to 0.1.

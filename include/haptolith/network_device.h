@@ -1,4 +1,4 @@
-/* Packets of the network device, for programs that hold the tool by UDP: docs/udp.md.
+/* Packets of the network device, for programs that hold the tool by UDP: docs/reference/udp.md.
  *
  * A program sends hapto_network_packet about a thousand times a second to where `haptolith run --device network` listens,
  * 127.0.0.1:9050, and is sent at most one hapto_network_answer for each, after a tick.
@@ -12,7 +12,7 @@
  * Who shows force to a hand makes it zero when no answer has come for HAPTO_NETWORK_SILENCE_MS: haptolith may be gone.
  *
  * With a key, HAPTO_NETWORK_TAG_BYTES follow what is sent, and a nonce and a tag of as many bytes each follow an answer:
- * docs/devices.md says what they are made of.
+ * docs/how-to/devices.md says what they are made of.
  */
 #ifndef HAPTOLITH_NETWORK_DEVICE_H
 #define HAPTOLITH_NETWORK_DEVICE_H

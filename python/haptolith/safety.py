@@ -28,7 +28,7 @@ class SafetyInfo:
 
 
 class Safety(Owned):
-    """Plausibility, soft start, the device's limits and rates, passivity (docs/safety.md).
+    """Plausibility, soft start, the device's limits and rates, passivity (docs/explanation/safety.md).
 
     tick_s: of your loop. stiffness_n_m: of the softest spring that stores what the hand presses with. Keywords are keys
     of [safety]: Safety(limits, soft_start_s=1)."""

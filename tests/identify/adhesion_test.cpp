@@ -29,8 +29,9 @@ double errorOverSpread(const Eigen::MatrixXd& rows, const Eigen::VectorXd& truth
   return std::sqrt(squares / spread);
 }
 
-// docs/identify.md: even where a soil's strength is known, its forces, and those while the pressed plate is lifted, do
-// not tell which share of its cohesion sticks to the tool; the same regression tells friction on the tool.
+// docs/how-to/identify-a-soil.md: even where a soil's strength is known, its forces, and those while the pressed plate
+// is lifted, do not tell which share of its cohesion sticks to the tool; the same regression tells friction on the
+// tool.
 TEST(Adhesion, IsNotToldByForcesOfTheProbe) {
   constexpr double kNoise_n = 0.05;
   constexpr std::size_t kLifts[]{6, 7, 20, 21};
@@ -58,7 +59,8 @@ TEST(Adhesion, IsNotToldByForcesOfTheProbe) {
   }
   for (const double lambda : {1.0, 10.0, 50.0, 300.0}) {
     const double error = errorOverSpread(rows, share, lambda);
-    EXPECT_GT(error, 1) << "lambda " << lambda << ": it is better told than by its mean; docs/identify.md says not";
+    EXPECT_GT(error, 1) << "lambda " << lambda
+                        << ": it is better told than by its mean; docs/how-to/identify-a-soil.md says not";
     EXPECT_LT(error, 1.6) << lambda;
   }
   EXPECT_LT(errorOverSpread(rows.leftCols(numbers), friction, 10), 0.7);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the packages of `./dev package` into a fresh Debian 12 and runs debian/tests there, and add_subdirectory with only what
-# docs/library.md asks for: tests/packages/fresh_root.sh, as root, with Debian's mmdebstrap. Takes some minutes and the network.
+# docs/how-to/library.md asks for: tests/packages/fresh_root.sh, as root, with Debian's mmdebstrap. Takes some minutes and the network.
 set -euo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 packages=$source/build/packages
@@ -63,7 +63,7 @@ while IFS=: read -r field value; do
   esac
 done < "$source/debian/tests/control"
 
-# As a part of somebody's build, with the packages that docs/library.md names, and no others of ours.
+# As a part of somebody's build, with the packages that docs/how-to/library.md names, and no others of ours.
 needs $(sed -n '/add_subdirectory(haptolith)/,/to build/p' "$source/docs/library.md" | grep -oE 'lib[a-z0-9-]+-dev|nlohmann-json3-dev') g++ cmake ninja-build pkg-config
 run add-subdirectory 'tests/c_api/consumers.sh add_subdirectory installed "$AUTOPKGTEST_TMP/work"'
 

@@ -3,7 +3,7 @@
 
     dense_sum.py [case ...]
 
-Needs numpy and scipy; some minutes a case. Priors as psignifit's, docs/psychometrics.md; no code in common with haptolith.
+Needs numpy and scipy; some minutes a case. Priors as psignifit's, docs/reference/psychometrics.md; no code in common with haptolith.
 """
 
 import sys

@@ -367,7 +367,7 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
   }
 }
 
-/// 1 kHz both ways, HAPTOLITH_ROS2_SECONDS long (docs/ros2.md: 60).
+/// 1 kHz both ways, HAPTOLITH_ROS2_SECONDS long (docs/how-to/ros2.md: 60).
 TEST_F(SceneWireTest, AThousandMessagesASecondGoBothWays) {
   const char* asked = std::getenv("HAPTOLITH_ROS2_SECONDS");
   const int ticks = 1000 * (asked == nullptr ? 2 : std::max(1, std::atoi(asked)));

@@ -250,7 +250,7 @@ TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
 }
 
 /// The soil in each tick of a cut whose way asks nothing of the C library: in a browser without vectors it comes to the
-/// same bits. What the tool feels does not always, in the last bits of a double (docs/demo.md).
+/// same bits. What the tool feels does not always, in the last bits of a double (docs/how-to/share-in-a-browser.md).
 std::uint64_t outcomeOfStraightCut(const SceneFile& scene_file, int ticks) {
   Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();

@@ -265,7 +265,7 @@ TEST_F(LoadSceneFile, UnknownKeysSuggestTheNearest) {
   EXPECT_EQ(errorOf("titel = 'x'\n"), "x.toml:1: titel is not known; did you mean title?");
   EXPECT_EQ(errorOf("title = 'x'\n[sol]\n"), "x.toml:2: [sol] is not known; did you mean [soil]?");
   EXPECT_EQ(errorOf("[bed]\npreset = 'P1'\n"), "x.toml:2: [bed] preset is not known; did you mean [soil] preset?");
-  EXPECT_EQ(errorOf("[bed]\ncolour = 'red'\n"), "x.toml:2: [bed] colour is not known, see docs/scenes.md");
+  EXPECT_EQ(errorOf("[bed]\ncolour = 'red'\n"), "x.toml:2: [bed] colour is not known, see docs/reference/scenes.md");
 }
 
 TEST_F(LoadSceneFile, WrongTypesAreRefused) {

@@ -311,8 +311,9 @@ TEST_F(SoilFiles, AnUnknownNameIsRefusedWithTheValidOnesAndTheNearest) {
 TEST_F(SoilFiles, NonsenseIsRefusedWithItsLine) {
   EXPECT_EQ(errorOf(kTarget + "friction_angel_deg = 3\n" + kSoil),
             "x.toml:6: [target] friction_angel_deg is not known; did you mean [target] friction_angle_deg?");
-  EXPECT_EQ(errorOf(kTarget + kSoil + "preset = 'P3'\n"), "x.toml:15: [soil] preset is not known, see docs/soils.md");
-  EXPECT_EQ(errorOf("title = 'x'\n"), "x.toml:1: title is not known, see docs/soils.md");
+  EXPECT_EQ(errorOf(kTarget + kSoil + "preset = 'P3'\n"),
+            "x.toml:15: [soil] preset is not known, see docs/reference/soils.md");
+  EXPECT_EQ(errorOf("title = 'x'\n"), "x.toml:1: title is not known, see docs/reference/soils.md");
   EXPECT_EQ(errorOf("name = 3\n"), "x.toml:1: name = 3 is not valid: must be a line of text");
   EXPECT_EQ(errorOf("name = 'x'\ntarget = 42\n"), "x.toml:2: target = 42 is not valid: must be a table, [target]");
   EXPECT_EQ(errorOf("[target]\nfriction_angle_deg = 95.5\n"),
@@ -326,7 +327,8 @@ TEST_F(SoilFiles, NonsenseIsRefusedWithItsLine) {
   EXPECT_EQ(errorOf("[reached]\nseeds = 2.5\n"),
             "x.toml:2: [reached] seeds = 2.5 is not valid: must be a whole number, 1 to 1000000");
   EXPECT_THAT(errorOf("name = 'x'\n[soil\n"), HasSubstr("x.toml:2: not TOML: "));
-  EXPECT_THAT(errorOf(""), HasSubstr("x.toml: empty: a soil has at least one key, for example name (docs/soils.md)"));
+  EXPECT_THAT(errorOf(""),
+              HasSubstr("x.toml: empty: a soil has at least one key, for example name (docs/reference/soils.md)"));
 }
 
 TEST_F(SoilFiles, RangesAreTwoNumbersAroundTheValue) {
@@ -349,14 +351,15 @@ TEST_F(SoilFiles, HalfASoilIsRefused) {
     if (!line.starts_with('[')) {
       std::string text = whole;
       text.erase(text.find(line), line.size());
-      EXPECT_THAT(errorOf(text), HasSubstr(line.substr(0, line.find(' ')) + " is missing, see docs/soils.md"));
+      EXPECT_THAT(errorOf(text),
+                  HasSubstr(line.substr(0, line.find(' ')) + " is missing, see docs/reference/soils.md"));
     }
   }
   EXPECT_EQ(errorOf(whole + "[reached]\nseeds = 5\n"),
-            "x.toml: [reached] friction_angle_deg is missing, see docs/soils.md");
+            "x.toml: [reached] friction_angle_deg is missing, see docs/reference/soils.md");
   std::string paper = whole;
   paper.replace(paper.find("contact"), 7, "paper");
-  EXPECT_EQ(errorOf(paper), "x.toml: [soil] mu_hat is missing, see docs/soils.md");
+  EXPECT_EQ(errorOf(paper), "x.toml: [soil] mu_hat is missing, see docs/reference/soils.md");
 }
 
 TEST_F(SoilFiles, NumbersThatDoNotGoTogetherAreRefused) {
@@ -446,10 +449,10 @@ TEST_F(SoilsInScenes, WhatIsWrongIsToldWhereItIs) {
             "x.toml:2: [target] cohesion_pa = -1 is not valid: must be 0 to 1000000");
 }
 
-// --- docs/soils.md ---
+// --- docs/reference/soils.md ---
 
 TEST(SoilFileKeys, AreAllInTheDocumentAndNoOthers) {
-  const std::string document = readFile(sourceDir() / "docs/soils.md");
+  const std::string document = readFile(sourceDir() / "docs/reference/soils.md");
   for (const SoilFileKey& key : soilFileKeys()) {
     const std::size_t section =
         document.find(key.table.empty() ? "## At the top\n" : fmt::format("## [{}]\n", key.table));

@@ -336,7 +336,7 @@ for table, separator in (('a.csv', ','), ('a/participants.tsv', '\t')):
 }
 
 TEST(StudyColumns, AreAllInTheDocument) {
-  const std::string document = readFile(sourceDir() / "docs/studies.md");
+  const std::string document = readFile(sourceDir() / "docs/how-to/studies.md");
   std::set<std::string> names;
   for (const ExportColumn& column : trialColumns()) {
     EXPECT_TRUE(names.insert(column.name).second) << column.name;

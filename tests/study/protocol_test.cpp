@@ -458,7 +458,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 template <class Key>
 void expectDocumented(std::span<const Key> keys, const std::string& top, std::string_view within = "") {
-  const std::string document = readSource("docs/studies.md");
+  const std::string document = readSource("docs/how-to/studies.md");
   for (const Key& key : keys) {
     const std::string heading = key.table.empty() ? top : fmt::format("### [{}{}]\n", within, key.table);
     const std::size_t section = document.find(heading);
@@ -476,7 +476,7 @@ TEST(ProtocolKeys, AreAllInTheDocument) {
 }
 
 TEST(ProtocolKeys, TheDocumentHasNoOthers) {
-  const std::string document = readSource("docs/studies.md");
+  const std::string document = readSource("docs/how-to/studies.md");
   const std::size_t begin = document.find("\n## Protocols\n");
   const std::string section = document.substr(begin, document.find("\n## ", begin + 1) - begin);
   std::size_t rows = 0;

@@ -5,7 +5,7 @@
 //
 // and what they are made of:
 //
-//   protocol.ts     what the program says and understands (docs/protocol.md); study/protocol.ts: what a study adds
+//   protocol.ts     what the program says and understands (docs/reference/web-protocol.md); study/protocol.ts: what a study adds
 //   connection.ts   the line to the program; comes back by itself; token.ts: what the program wants to know first
 //   view/           the picture: Stage holds all that stands in it; each thing has a file; shaders work in the scene's
 //                   frame, in metres, so that a screen and a headset see the same

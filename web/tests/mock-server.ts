@@ -1,5 +1,5 @@
 // Stands in for `haptolith run` while the page is developed, and in browser tests when no program is named: serves
-// web/dist and speaks docs/protocol.md.
+// web/dist and speaks docs/reference/web-protocol.md.
 
 import {
   type Command,

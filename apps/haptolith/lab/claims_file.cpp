@@ -21,7 +21,7 @@ namespace {
 
 constexpr FileKind kClaims{.name = "file of claims",
                            .example_key = "claim",
-                           .document = "docs/laboratory.md",
+                           .document = "docs/how-to/test-a-soil.md",
                            .left_out = "left out, so the default"};
 
 using ClaimKey = FileKey<MeasuredClaim>;

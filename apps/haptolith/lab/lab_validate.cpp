@@ -409,7 +409,8 @@ void addValidate(CLI::App& lab) {
   CLI::App* command = lab.add_subcommand(
       "validate",
       "Claims about our soil beside what others measured and calculated, on one page; takes long, can be resumed");
-  command->add_option("--claims", options->claims_file, "a file of claims (docs/laboratory.md) [all that come along]");
+  command->add_option("--claims", options->claims_file,
+                      "a file of claims (docs/how-to/test-a-soil.md) [all that come along]");
   command->add_option("--soil", options->soil,
                       "claims about any soil, of this one: a named one, a soil file, or P1 to P6 [each claim's own]");
   command->add_option("--only", options->only, "these claims or groups of claims only")->delimiter(',');

@@ -33,7 +33,7 @@ constexpr const char* kRos2Examples = R"(Examples:
   ros2 topic echo /haptolith/wrench --qos-reliability best_effort      in a shell with ROS 2
   haptolith teleop ros2                       a robot with ROS 2 at the far end of `haptolith teleop operator`
 
-Topics, frames and QoS: docs/ros2.md. ROS 2 itself is not needed.)";
+Topics, frames and QoS: docs/how-to/ros2.md. ROS 2 itself is not needed.)";
 
 constexpr double kBeside_m = 0.15, kAboveSoil_m = 0.35;  // how far from the box targets lead the tool
 

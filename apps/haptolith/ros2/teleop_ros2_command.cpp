@@ -34,7 +34,7 @@ constexpr const char* kTeleopRos2Examples = R"(Examples:
   haptolith ros2 dig-site --node-name robot                  in place of a robot: soil of its own, by ROS 2
   haptolith teleop ros2 --site 0,0,0.048,0                   the height of its surface, which it prints
 
-Frames, what keeps the robot safe and what does not: docs/ros2.md.)";
+Frames, what keeps the robot safe and what does not: docs/how-to/ros2.md.)";
 
 struct GatewayOptions {
   Ros2Options ros2;

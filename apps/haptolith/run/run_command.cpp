@@ -442,7 +442,9 @@ void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
       ->option_text("N");
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
   command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
-  command->add_option("--record", options->record_file, "Record every tick to this HDF5 file (docs/recording.md)")
+  command
+      ->add_option("--record", options->record_file,
+                   "Record every tick to this HDF5 file (docs/how-to/record-and-replay.md)")
       ->option_text("FILE.h5");
   command->add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in it [10]")
       ->check(numberIn({0, 60}))

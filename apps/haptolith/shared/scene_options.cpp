@@ -93,20 +93,20 @@ std::string SceneOptions::scene() const {
 
 void SceneOptions::addTo(CLI::App& command) {
   command
-      .add_option(
-          "scenario", name_or_file,
-          fmt::format("Scene by its name (haptolith scenes) or from a file (docs/scenes.md) [{}, with --preset paper]",
-                      usual))
+      .add_option("scenario", name_or_file,
+                  fmt::format("Scene by its name (haptolith scenes) or from a file (docs/reference/scenes.md) [{}, "
+                              "with --preset paper]",
+                              usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,
                   "A key of the scene file, whatever the file says: --set bed.depth_mm=60; again for another "
-                  "(docs/scenes.md)")
+                  "(docs/reference/scenes.md)")
       ->allow_extra_args(false)
       ->option_text("TABLE.KEY=VALUE");
   CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
   by_preset->option_text("NAME");
-  command.add_option("--soil", soil, "Soil by its name (haptolith soil list) or from a file (docs/soils.md)")
+  command.add_option("--soil", soil, "Soil by its name (haptolith soil list) or from a file (docs/reference/soils.md)")
       ->option_text("NAME|FILE")
       ->excludes(by_preset);
   command.add_option("--friction", friction, "What friction acts against; default: as the soil has it")

@@ -39,8 +39,9 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
   const Fit& fit = result.headline();
   const Estimate& w = fit.weber_fraction;
   const bool lapse_fixed = fit.lapse.interval.low == fit.lapse.interval.high;
-  remarks.push_back(lapse_fixed ? fmt::format("Lapses: a rate of {:g} is assumed.", fit.lapse.value)
-                                : "Lapses: the rate is fitted with the rest; docs/psychometrics.md has its prior.");
+  remarks.push_back(lapse_fixed
+                        ? fmt::format("Lapses: a rate of {:g} is assumed.", fit.lapse.value)
+                        : "Lapses: the rate is fitted with the rest; docs/reference/psychometrics.md has its prior.");
   const double reference = result.block->reference.value;
   const Interval& pse = fit.threshold.interval;
   if (pse.high < reference || pse.low > reference) {

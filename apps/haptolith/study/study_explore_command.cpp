@@ -40,7 +40,7 @@ constexpr const char* kStudyExploreExamples = R"(Examples:
   haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
   haptolith study explore --protocol buried-stone                  what force tells of a task, and what the picture
 
-docs/perception.md tells what was found, and how the numbers are meant.)";
+docs/reports/perception.md tells what was found, and how the numbers are meant.)";
 
 struct ExploreOptions {
   PerceptionOptions perception;

@@ -39,7 +39,7 @@ constexpr const char* kStudyFigureExamples = R"(Examples:
   haptolith study figure both.study --out figure.png        figure-friction.png and figure-gravity.png
   haptolith study figure friction.study --json              numbers alone
 
-Of several participants the person in the middle stands first, by a model of all of them at once. docs/psychometrics.md
+Of several participants the person in the middle stands first, by a model of all of them at once. docs/reference/psychometrics.md
 has the models and how well their intervals hold.)";
 
 struct FigureOptions {

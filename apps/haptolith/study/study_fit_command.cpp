@@ -35,7 +35,7 @@ constexpr const char* kStudyFitExamples = R"(Examples:
   haptolith study fit --data trials.csv --reference 1.625 --group --figure gravity.png --log-x
 
 FILE has the columns x,k,n (stimulus, positive answers, answers), or x,response with a row for each trial; with a column
-participant, --group tells people apart. docs/psychometrics.md explains models, priors and numbers.)";
+participant, --group tells people apart. docs/reference/psychometrics.md explains models, priors and numbers.)";
 
 struct FitCommandOptions {
   std::string data, block, figure;

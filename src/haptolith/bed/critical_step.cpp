@@ -31,8 +31,8 @@ double largestPhase(double damping_ratio) {
 /// included: chords between the most that beds of the named soils have under a plate with 10 kPa, twice what 12 N on a
 /// shovel come to. The largest eigenvalue is a convex function of `across`, so no chord is below it. This is the
 /// margin: of what this allows a tool takes 0.88 at most with 12 N, 0.94 with 40 N, and a plate with 10 kPa 0.98; but
-/// one with 30 kPa up to 1.10, and with 60 kPa soil trembles (docs/performance.md). A close crystal in which all twelve
-/// contacts were as stiff as k would have 8 + 8 across; a bed would have to be pressed much harder for that.
+/// one with 30 kPa up to 1.10, and with 60 kPa soil trembles (docs/reports/performance.md). A close crystal in which
+/// all twelve contacts were as stiff as k would have 8 + 8 across; a bed would have to be pressed much harder for that.
 double packing(double across) {
   constexpr double kNone = 6.0, kHalf = 10.2, kEqual = 15.9;  // across = 0, 1/2, 1
   return std::max(std::lerp(kNone, kHalf, 2 * across), std::lerp(kHalf, kEqual, 2 * across - 1));

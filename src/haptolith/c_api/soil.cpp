@@ -94,7 +94,7 @@ std::int32_t hapto_soil_get(const hapto_soil* soil, const char* key, double* out
     const auto number = numberAt(object, key);
     if (!number) {
       throw InvalidParameter("key", fmt::format("'{}'", key),
-                             "a number of this soil's file, for example soil.radius_mm (docs/soils.md)");
+                             "a number of this soil's file, for example soil.radius_mm (docs/reference/soils.md)");
     }
     *out = *number;
     return HAPTO_OK;

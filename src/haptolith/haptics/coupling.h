@@ -16,7 +16,7 @@ enum class CouplingKind {
 };
 
 /// Whether a device is coupled directly unless a scene says otherwise: it shows force, no more than 1 ms late, and
-/// tells positions finely enough (docs/safety.md).
+/// tells positions finely enough (docs/explanation/safety.md).
 [[nodiscard]] bool suitsDirectly(const DeviceLimits& device) noexcept;
 
 struct CouplingParameters {

@@ -29,7 +29,8 @@ namespace fs = std::filesystem;
 /// One more whenever the measurement, or what is kept of it, is another.
 constexpr int kMeasurement = 1;
 
-/// A team of more threads than that gains nothing in soil that this machine's neighbours hold (docs/performance.md).
+/// A team of more threads than that gains nothing in soil that this machine's neighbours hold
+/// (docs/reports/performance.md).
 constexpr int kMostThreads = 8;
 
 /// What /proc/cpuinfo calls the processor.

@@ -24,7 +24,7 @@ struct GridSizes {
 /// Which value stands for the posterior.
 enum class PointEstimate {
   kMap,    ///< the most probable one, as psignifit
-  kMedian  ///< of each parameter its median: nearly unbiased where w alone is free, docs/psychometrics.md
+  kMedian  ///< of each parameter its median: nearly unbiased where w alone is free, docs/reference/psychometrics.md
 };
 
 /// What is fitted and how. Parameters that are given a value are fixed.
@@ -65,7 +65,7 @@ struct Estimate {
 
 enum class FitMethod { kMap, kMedian, kMaximumLikelihood };
 
-/// A psychometric function that has been fitted, docs/psychometrics.md.
+/// A psychometric function that has been fitted, docs/reference/psychometrics.md.
 struct Fit {
   FitMethod method = FitMethod::kMap;
   Design design = Design::kYesNo;

@@ -21,8 +21,9 @@ constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 constexpr double kMostAsymptote = 0.5;
 // eta = 1 would make all answers to a stimulus alike, whatever the function.
 constexpr double kMostOverdispersion = 1 - 1e-9;
-constexpr double kBeta = 10;       // of the Beta(1, 10) priors
-constexpr double kWeberBeta = 60;  // of the rates of weber sigmoids, chosen by simulation: docs/psychometrics.md
+constexpr double kBeta = 10;  // of the Beta(1, 10) priors
+constexpr double kWeberBeta =
+    60;  // of the rates of weber sigmoids, chosen by simulation: docs/reference/psychometrics.md
 
 /// Falls from 1 to 0 as a cosine while `share` goes from 0 to 1.
 double cosineFall(double share) noexcept {

@@ -29,7 +29,7 @@ struct Support {
 /// The model of one fit: its data, what is free, and the priors.
 ///
 /// Priors, with R the range of the levels on the axis and d the least distance between two of them (psignifit's,
-/// Schuett et al. 2016; docs/psychometrics.md):
+/// Schuett et al. 2016; docs/reference/psychometrics.md):
 /// - threshold: flat over the range, a cosine's fall to 0 over R/2 on either side;
 /// - width: flat from 2 d to R, a cosine's rise from d and its fall to 3 R;
 /// - Weber fraction v of weber sigmoids: 1/v^2, which is flat in the sensitivity 1/v; for widths from d/4 to 3 R;

@@ -18,8 +18,10 @@ namespace haptolith {
 
 namespace {
 
-constexpr FileKind kScene{
-    .name = "scene", .example_key = "title", .document = "docs/scenes.md", .left_out = "left out, so the paper's"};
+constexpr FileKind kScene{.name = "scene",
+                          .example_key = "title",
+                          .document = "docs/reference/scenes.md",
+                          .left_out = "left out, so the paper's"};
 
 constexpr RivalKeys kRivals[]{
     {"soil", "preset", "name"},

@@ -41,7 +41,8 @@ struct SceneFile {
   [[nodiscard]] bool operator==(const SceneFile&) const = default;
 };
 
-/// Reads a TOML scene; keys that are left out keep the values of the paper's scene. docs/scenes.md lists every key.
+/// Reads a TOML scene; keys that are left out keep the values of the paper's scene. docs/reference/scenes.md lists
+/// every key.
 /// @throws InvalidParameter for an unknown key, a wrong type or a value out of range, with file, line, key, value and
 /// valid range; Failure when the file cannot be read.
 [[nodiscard]] SceneFile loadSceneFile(const std::filesystem::path& path);

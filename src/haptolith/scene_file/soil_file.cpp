@@ -23,8 +23,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr FileKind kSoil{
-    .name = "soil", .example_key = "name", .document = "docs/soils.md", .left_out = "left out, so the default"};
+constexpr FileKind kSoil{.name = "soil",
+                         .example_key = "name",
+                         .document = "docs/reference/soils.md",
+                         .left_out = "left out, so the default"};
 
 // --- reading --------------------------------------------------------------------------------------------------------
 

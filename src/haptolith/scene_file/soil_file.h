@@ -11,7 +11,7 @@
 
 namespace haptolith {
 
-/// A soil with a name: its measured strength, and macroparticles that behave like it. See docs/soils.md.
+/// A soil with a name: its measured strength, and macroparticles that behave like it. See docs/reference/soils.md.
 struct SoilFile {
   std::string name;
   std::string source;  ///< where the target comes from; may be empty

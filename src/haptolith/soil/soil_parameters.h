@@ -67,7 +67,7 @@ struct SoilNumber {
   int radius_power;          ///< rescaled() multiplies it by the ratio of radii to this power
   int tile_place;            ///< in the key of kept tiles (bed/start/tile_cache.h); a new number takes the next place
   int training_place;        ///< in a run of a training (identify/training); 0: not part of it
-  std::string_view meaning;  ///< one sentence for docs/scenes.md
+  std::string_view meaning;  ///< one sentence for docs/reference/scenes.md
   SoilControl control = {};
 
   [[nodiscard]] constexpr bool isUsedBy(FrictionModel friction) const { return !model || *model == friction; }
@@ -150,6 +150,6 @@ struct SoilAdjustment {
 [[nodiscard]] double macroparticleMass(const SoilParameters& soil);
 
 /// The same soil made of particles of another radius: stress at equal relative overlap stays, so
-/// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2: SoilNumber::radius_power. See docs/equations.md.
+/// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2: SoilNumber::radius_power. See docs/explanation/equations.md.
 [[nodiscard]] SoilParameters rescaled(SoilParameters soil, double radius_m);
 }  // namespace haptolith

@@ -18,7 +18,7 @@ namespace haptolith {
 inline constexpr std::array kColourWords{SceneWord{"plain", false}, SceneWord{"force", true}, SceneWord{"speed", false},
                                          SceneWord{"depth", false}, SceneWord{"sleep", false}};
 
-/// What a client of the view asks for: docs/protocol.md.
+/// What a client of the view asks for: docs/reference/web-protocol.md.
 namespace command {
 
 struct Hold {

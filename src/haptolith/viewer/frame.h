@@ -24,8 +24,8 @@ struct BesideSnapshot {
   std::span<const float> load_n = {};  ///< contact force of each particle; empty: unknown
 };
 
-/// Pictures of the bed as bytes: docs/protocol.md. Positions are quantised, and only particles whose bytes have changed
-/// since a client's last frame are in its next; stones are in all. Not thread-safe.
+/// Pictures of the bed as bytes: docs/reference/web-protocol.md. Positions are quantised, and only particles whose
+/// bytes have changed since a client's last frame are in its next; stones are in all. Not thread-safe.
 class FrameEncoder {
  public:
   /// @param scene  number of the scene, counted up when the particles are others.

@@ -40,9 +40,9 @@ struct WebServerOptions {
 /// same.
 void validate(const WebServerOptions& options);
 
-/// Serves the page, and a WebSocket each to at most 32 clients (docs/protocol.md), on a thread of its own. It knows
-/// nothing of what the messages mean. A client that sends more than the protocol allows is dropped, and so is what
-/// waits of it. Connections that ask for nothing, however many, keep nobody else out.
+/// Serves the page, and a WebSocket each to at most 32 clients (docs/reference/web-protocol.md), on a thread of its
+/// own. It knows nothing of what the messages mean. A client that sends more than the protocol allows is dropped, and
+/// so is what waits of it. Connections that ask for nothing, however many, keep nobody else out.
 class WebServer {
  public:
   struct Event {

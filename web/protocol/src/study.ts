@@ -1,4 +1,4 @@
-// What a study adds to the protocol: docs/protocol.md, "Studies". What may be left out of a message, or be null, is
+// What a study adds to the protocol: docs/reference/web-protocol.md, "Studies". What may be left out of a message, or be null, is
 // filled in.
 
 import * as v from 'valibot';

@@ -7,7 +7,7 @@ const WHAT =
   'haptolith computes granular soil a thousand times a second, so that a hand at a haptic device feels what a tool meets in it. ' +
   'Without a device the mouse, a finger or keys move the tool, and the page shows the force.';
 
-/** The exercises of manual/first-hour.md, shortened. */
+/** The exercises of docs/tutorials/first-hour.md, shortened. */
 const EXERCISES = [
   'Press the shovel straight down and watch the force grow with depth; pull it out, and soil that coheres holds it for a moment.',
   'Choose Earth as the body: the same soil weighs six times as much as on the Moon.',

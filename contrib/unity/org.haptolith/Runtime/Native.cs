@@ -196,7 +196,7 @@ namespace Haptolith
     public hapto_wrench device_wrench;  // of the last tick: sent to the device, about the handle's origin, device frame
   }
 
-  /// <summary>One tick, as recordings hold it (docs/recording.md).</summary>
+  /// <summary>One tick, as recordings hold it (docs/how-to/record-and-replay.md).</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_tick
   {
@@ -217,7 +217,7 @@ namespace Haptolith
     public hapto_wrench device_wrench;  // sent to the device, about the handle's origin, device frame
     public double device_gripper_n;  // sent to the gripper; > 0 opens the fingers
     public double injected_j;  // energy that the hand was given beyond what it gave
-    public double quick_injected_j;  // the same by the quick account (docs/safety.md)
+    public double quick_injected_j;  // the same by the quick account (docs/explanation/safety.md)
     public double tick_us;  // work of this tick, and how late it began
     public double late_us;
     public ulong state_hash;  // of a part of the soil; 0 without HAPTO_LOOP_HASHES
@@ -525,7 +525,7 @@ namespace Haptolith
     public static extern int hapto_soil_destroy(IntPtr soil);
 
     /// <summary>
-    /// A number of its file (docs/soils.md): "target.friction_angle_deg", "soil.radius_mm", "reached.cohesion_pa".
+    /// A number of its file (docs/reference/soils.md): "target.friction_angle_deg", "soil.radius_mm", "reached.cohesion_pa".
     /// HAPTO_INVALID_PARAMETER for a key that the soil has not.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -543,7 +543,7 @@ namespace Haptolith
     public static extern int hapto_soil_profile(IntPtr soil, double gravity_m_s2, double depth_m, IntPtr* @out);
 
     /// <summary>
-    /// Finds contact parameters with which a sheared bed matches measured values (docs/laboratory.md); takes minutes.
+    /// Finds contact parameters with which a sheared bed matches measured values (docs/how-to/test-a-soil.md); takes minutes.
     /// target  "friction_angle_deg = 42\ncohesion_pa = 520\nbulk_density_kg_m3 = 1500" in TOML, and if need be strength ("residual" or
     ///         "peak"), density ("lunar", more of it deeper, or "constant"), radius_mm, stiffness_n_m, body or gravity_m_s2, seed,
     ///         threads, specimens, name, source.
@@ -555,7 +555,7 @@ namespace Haptolith
     // the laboratory
 
     /// <summary>
-    /// A test of the soil laboratory, as `haptolith lab TEST` makes it (hapto_list("lab tests"); docs/laboratory.md).
+    /// A test of the soil laboratory, as `haptolith lab TEST` makes it (hapto_list("lab tests"); docs/how-to/test-a-soil.md).
     /// options  keys in TOML, as the command's options with _ for -: "normal_pa = [300, 1000, 3000]\nseed = 2\nbody = 'Earth'"; NULL or
     ///          "": the usual ones.
     /// out      the numbers that `--json` prints, "findings" beside what they should be, and the trace as columns.
@@ -567,7 +567,7 @@ namespace Haptolith
     // psychometric functions
 
     /// <summary>
-    /// Fits a psychometric function to answers, as `haptolith study fit` does (docs/psychometrics.md).
+    /// Fits a psychometric function to answers, as `haptolith study fit` does (docs/reference/psychometrics.md).
     /// levels   `count` rows of three numbers: stimulus, positive answers, answers.
     /// options  TOML: design, alternatives, sigmoid, log_x, falling, reference, free_threshold, lapse, guess, overdispersion (a number
     ///          or "free"), method, confidence, simulations, pool_tolerance; NULL or "": sigmoid "weber", design "equal-asymptote".
@@ -649,7 +649,7 @@ namespace Haptolith
     // the safety layer alone, for hosts with a loop and a device of their own
 
     /// <summary>
-    /// What stands between a simulated force and a person's hand (docs/safety.md): plausibility of the input, soft start, the
+    /// What stands between a simulated force and a person's hand (docs/explanation/safety.md): plausibility of the input, soft start, the
     /// device's limits and rates, passivity.
     /// overrides      keys of [safety], "safety.soft_start_s=1".
     /// tick_s         of the caller's loop, 0.0001 to 0.1.

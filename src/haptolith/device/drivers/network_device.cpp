@@ -128,7 +128,7 @@ NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkTi
   } else if (!isThisMachine(address) && !parameters.insecure) {
     throw InvalidParameter("address", fmt::format("'{}'", text),
                            "one of this machine alone, such as 127.0.0.1:9050, unless packets are signed "
-                           "(--device-key-file, docs/devices.md) or all users of the network are trusted "
+                           "(--device-key-file, docs/how-to/devices.md) or all users of the network are trusted "
                            "(--device-insecure)");
   }
   const auto fail = [&](const char* remedy) {
@@ -416,7 +416,7 @@ void NetworkDevice::warn(NetworkWarning what) noexcept {
 std::string NetworkDevice::textOf(NetworkWarning what) const {
   switch (what) {
     case NetworkWarning::kMalformed:
-      return fmt::format("malformed packet ignored: {}; see docs/udp.md",
+      return fmt::format("malformed packet ignored: {}; see docs/reference/udp.md",
                          describe(fault_, malformed_, key_.has_value()));
     case NetworkWarning::kForged:
       return "packet ignored: its signature does not fit this program's key; use the same key on both ends";

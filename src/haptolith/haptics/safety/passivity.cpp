@@ -14,9 +14,9 @@ namespace {
 /// (alpha < pi m / (2 T)).
 constexpr double kStrongest_n_s_m = 20;
 
-/// The quick account, docs/safety.md: it forgets within a period and a half of the slowest movement that it sees (6
-/// Hz); soil that slips under a hand rightly gives 2 mJ at once, and not again within 2 s. With more forgiven, a hand
-/// that shakes keeps the difference each time; with less, the damper is felt in every slip.
+/// The quick account, docs/explanation/safety.md: it forgets within a period and a half of the slowest movement that it
+/// sees (6 Hz); soil that slips under a hand rightly gives 2 mJ at once, and not again within 2 s. With more forgiven,
+/// a hand that shakes keeps the difference each time; with less, the damper is felt in every slip.
 constexpr double kForgetting_s = 0.25;
 constexpr double kForgiven_j = 2e-3;
 constexpr double kForgivenAgain_j = 0.2e-3;

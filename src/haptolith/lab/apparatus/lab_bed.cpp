@@ -18,7 +18,7 @@ constexpr double kTick_s = 1e-3;
 constexpr int kMostSubsteps = 1000;
 
 /// A test may press harder than a hand can: with 60 kPa soil that stands still trembles at the steps that are enough
-/// for 10 kPa, and rests at three quarters of them (docs/performance.md).
+/// for 10 kPa, and rests at three quarters of them (docs/reports/performance.md).
 constexpr double kShorterSteps = 4.0 / 3;
 
 /// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).

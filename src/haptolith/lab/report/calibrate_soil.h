@@ -45,14 +45,15 @@ inline constexpr double kMostCohesion_pa = 4500;
 /// Finds the contacts whose sheared bed has the wanted friction angle and cohesion, and the mass at which it has the
 /// wanted bulk density.
 ///
-/// The shape of the contact law is that of lunar soil, whose density with depth it reproduces (docs/soils.md), or a
-/// linear spring. Stiffness is such that a contact under the greatest normal stress of the shear test gives way by 2.8
-/// % of R: contacts four times as stiff raise the residual angle by less than 2 degrees (docs/laboratory.md) and cost
-/// twice the steps. Linear springs, which do not stiffen as they give, give way by 0.35 %. Contact friction and
-/// cohesion start from a table of simulated shear tests, and are then corrected by shear tests of this very soil
-/// (Broyden's method) until its line lies within 0.5 degrees and 6 % (or 20 Pa) of the target; the best of seven rounds
-/// is taken. rho0 and rho_max are scaled together until the mean density of the upper 15 cm of a settled column is the
-/// target's. At last `verification_seeds` other specimens are sheared, and what they showed is reported as it came.
+/// The shape of the contact law is that of lunar soil, whose density with depth it reproduces
+/// (docs/reference/soils.md), or a linear spring. Stiffness is such that a contact under the greatest normal stress of
+/// the shear test gives way by 2.8 % of R: contacts four times as stiff raise the residual angle by less than 2 degrees
+/// (docs/how-to/test-a-soil.md) and cost twice the steps. Linear springs, which do not stiffen as they give, give way
+/// by 0.35 %. Contact friction and cohesion start from a table of simulated shear tests, and are then corrected by
+/// shear tests of this very soil (Broyden's method) until its line lies within 0.5 degrees and 6 % (or 20 Pa) of the
+/// target; the best of seven rounds is taken. rho0 and rho_max are scaled together until the mean density of the upper
+/// 15 cm of a settled column is the target's. At last `verification_seeds` other specimens are sheared, and what they
+/// showed is reported as it came.
 /// @param target  residual or peak strength; 1000 to 2500 kg/m^3, 20 to 52 degrees, 0 to 4500 Pa.
 /// @throws InvalidParameter for a target out of reach, with the reachable range; Failure as shearTest().
 [[nodiscard]] CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOptions& options = {});

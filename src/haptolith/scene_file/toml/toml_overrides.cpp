@@ -15,7 +15,8 @@ struct Override {
   std::string table, key, value;
 };
 
-constexpr std::string_view kOverrideValid = "table.key=value, for example bed.threads=4 (docs/scenes.md has the keys)";
+constexpr std::string_view kOverrideValid =
+    "table.key=value, for example bed.threads=4 (docs/reference/scenes.md has the keys)";
 
 Override parsedOverride(const std::string& text) {
   const auto trimmed = [](std::string_view part) {

@@ -24,7 +24,7 @@ namespace haptolith {
 struct FileKind {
   std::string_view name;         ///< "scene"
   std::string_view example_key;  ///< "title"
-  std::string_view document;     ///< "docs/scenes.md"
+  std::string_view document;     ///< "docs/reference/scenes.md"
   std::string_view left_out;     ///< what a key is that the file leaves out: "left out, so the paper's"
 };
 

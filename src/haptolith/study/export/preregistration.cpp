@@ -239,7 +239,7 @@ std::string preregistrationText(const StudyProtocol& protocol, const Preregistra
             "ln(Weber fraction) and "
             "ln(PSE) of participants come from normal distributions; one lapse rate is estimated for all, with the "
             "prior "
-            "Beta(1, 100). Priors are those of docs/psychometrics.md; sums over grids, no random numbers.\n"
+            "Beta(1, 100). Priors are those of docs/reference/psychometrics.md; sums over grids, no random numbers.\n"
             "- Estimates: the Weber fraction and the PSE of the median participant, posterior medians with 95 % "
             "intervals, "
             "and the "
@@ -254,7 +254,7 @@ std::string preregistrationText(const StudyProtocol& protocol, const Preregistra
         "- Groups are fitted each by itself and compared by the ratio of their Weber fractions and of their PSEs (as "
         "shares of the references), with 95 % intervals; the Bayes factor of no difference is against a logarithm of "
         "the ratio that is normal about 0 with the standard deviation that is usual between people "
-        "(docs/psychometrics.md).\n";
+        "(docs/reference/psychometrics.md).\n";
   }
   text +=
       "- A hypothesis about a number is taken as supported when the whole 95 % interval is on its side.\n\n## "

@@ -23,7 +23,7 @@ struct Cue {
   double (*value)(const Exploration&);
 };
 
-/// The forces that exploring hands feel, each with the sense for it; docs/perception.md names the sources.
+/// The forces that exploring hands feel, each with the sense for it; docs/reports/perception.md names the sources.
 [[nodiscard]] std::span<const Cue> cues();
 
 /// What a hand tells by where it is, likewise; asked of studies' tasks, not of the paper's stimuli.
@@ -55,7 +55,7 @@ struct SeenCue {
   bool of_tool = false;  ///< of the tool, not of the soil: it tells how far a hand could push
 };
 
-/// What can be seen of an exploration, each with the eye's sense for it; docs/perception.md names the source.
+/// What can be seen of an exploration, each with the eye's sense for it; docs/reports/perception.md names the source.
 [[nodiscard]] std::span<const SeenCue> seenCues();
 
 /// What one stimulus feels like.

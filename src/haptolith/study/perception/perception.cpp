@@ -24,7 +24,8 @@ constexpr std::string_view kFrictionReference = "P3", kGravityReference = "Moon"
 /// A crystal has one bed; rain falls differently every time, and each arrangement feels a little different.
 constexpr int kBedsOfRain = 5;
 
-/// Contact friction with which cohesionless soil shows a preset's angle of friction at its peak: docs/perception.md.
+/// Contact friction with which cohesionless soil shows a preset's angle of friction at its peak:
+/// docs/reports/perception.md.
 struct Twin {
   std::string_view preset;
   double contact_friction;

@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// The messages of a study between program and pages: docs/protocol.md.
+/// The messages of a study between program and pages: docs/reference/web-protocol.md.
 
 enum class StudyRole { kParticipant, kExperimenter };
 

@@ -12,7 +12,7 @@ namespace haptolith {
 
 namespace {
 
-// docs/studies.md describes the tables.
+// docs/how-to/studies.md describes the tables.
 constexpr std::array kMigrations{
     R"sql(
 CREATE TABLE study (

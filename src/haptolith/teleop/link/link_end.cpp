@@ -20,9 +20,10 @@ std::uint32_t newConnection() {
 void requireSafe(const char* key, const std::string& address, const EndOptions& options) {
   const bool here = endpointOf(key, address).address().is_loopback();
   if (!here && options.key.empty() && !options.insecure) {
-    throw InvalidParameter(key, inQuotes(address),
-                           "an address of this machine alone, such as 127.0.0.1:7410, unless packets are signed "
-                           "(--key-file, docs/teleop.md) or all users of the network are trusted (--insecure)");
+    throw InvalidParameter(
+        key, inQuotes(address),
+        "an address of this machine alone, such as 127.0.0.1:7410, unless packets are signed "
+        "(--key-file, docs/how-to/teleoperate.md) or all users of the network are trusted (--insecure)");
   }
 }
 

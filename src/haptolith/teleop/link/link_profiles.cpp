@@ -22,7 +22,7 @@ LinkProfile alike(std::string name, std::string what, double round_trip_s, LinkP
   return profile;
 }
 
-/// Round trips and losses of missions: docs/teleop.md has the sources.
+/// Round trips and losses of missions: docs/how-to/teleoperate.md has the sources.
 std::vector<LinkProfile> makeProfiles() {
   std::vector<LinkProfile> profiles;
   profiles.push_back(alike("lan", "a network in one building", 0.4e-3,
