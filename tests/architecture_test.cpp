@@ -22,7 +22,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using Folders = std::set<std::string>;
 
-// What each folder's arrow points to. It may also include whatever those include, and itself.
+// Targets of each folder's arrow. It may also include everything that those include, and itself.
 const std::map<std::string, Folders> kArrows = {
     {"core", {}},
     {"core/process", {"core"}},
@@ -56,7 +56,7 @@ const std::map<std::string, Folders> kArrows = {
     {"lab/report", {"lab/tests"}},
     {"lab/catalogue", {"lab/report"}},
     {"lab/archive", {"lab/catalogue"}},
-    // What a person may change while it runs.
+    // Parts that a person may change while it runs.
     {"session", {"recording", "device/drivers"}},
     // Answers and curves: it knows neither soil nor hands.
     {"psychometrics", {"figure"}},
@@ -68,7 +68,7 @@ const std::map<std::string, Folders> kArrows = {
     {"study/results", {"study/store"}},
     {"study/perception", {"study/results"}},
     {"study/run", {"study/perception"}},
-    // What others build on, through C: neither files of recordings, nor pages, nor studies.
+    // The base of other programs, through C: neither files of recordings, nor pages, nor studies.
     {"c_api", {"machine", "device/drivers", "lab/catalogue", "psychometrics"}},
     {"c_api/recording", {"c_api", "recording"}},
     // The laboratory turned round: from forces to soil.
@@ -85,7 +85,7 @@ const std::map<std::string, Folders> kArrows = {
     {"viewer", {"session"}},
 };
 
-/// The folder with an arrow of its own that a file is in: of "teleop/link/link.h" teleop/link, of "bed/bed.h" bed.
+/// The folder with its own arrow that holds a file: teleop/link for "teleop/link/link.h", bed for "bed/bed.h".
 std::string folderOf(const fs::path& file) {
   fs::path folder = file.parent_path();
   while (folder.has_parent_path() && !kArrows.contains(folder.string())) {
@@ -102,7 +102,7 @@ Folders mayInclude(const std::string& folder) {
   return allowed;
 }
 
-/// What is wrong with the includes in one file of `folder`, one sentence each.
+/// Faults of the includes in one file of `folder`, one sentence each.
 std::vector<std::string> violations(const std::string& folder, const std::string& file, std::istream& text) {
   if (!kArrows.contains(folder)) {
     return {file + ": folder " + folder + " is not in docs/contributing/architecture.md"};
@@ -219,7 +219,7 @@ TEST(Architecture, LabHasNoDeviceAndTheBranchesNeverMeet) {
   }
 }
 
-// So many that a newcomer sees all of them at once.
+// Few enough for a newcomer to see all of them.
 TEST(Architecture, NoFolderHasMoreThan30Sources) {
   std::map<std::string, int> sources;
   for (const char* where : {"src", "apps"}) {

@@ -9,7 +9,7 @@
 
 namespace {
 
-std::atomic<long> allocations{0};             // of all threads
+std::atomic<long> allocations{0};             // sum over all threads
 thread_local long allocations_of_thread = 0;  // of the one that asks
 
 void* counted(std::size_t bytes, std::size_t alignment) {

@@ -1,4 +1,4 @@
-# The version stands in CMakeLists.txt; what cannot be made from that has the same: cmake -DVERSION=0.2.0 -DSOURCE=. -P version_test.cmake
+# The version is defined in CMakeLists.txt; files that are not generated from it must match: cmake -DVERSION=0.2.0 -DSOURCE=. -P version_test.cmake
 function(expect file pattern)
   file(READ ${SOURCE}/${file} text)
   string(REGEX MATCH "${pattern}" found "${text}")

@@ -47,7 +47,7 @@ TEST(Help, ShowsExamplesOfTheCommandAndNotOfTheProgram) {
   }
 }
 
-// Half of the commands are in an executable of its own, haptolith-workbench.
+// Half of the commands are in a separate executable, haptolith-workbench.
 TEST(Workbench, HasEveryCommandThatTheHelpOfTheProgramLists) {
   const std::string listed = runHaptolith("--help").output;
   const ProgramResult all = runInShell("\"$(dirname \"$HAPTOLITH\")/haptolith-workbench\" --help");
@@ -273,7 +273,7 @@ TEST(StandardOutput, AClosedPipeIsAFailure) {
   EXPECT_THAT(result.errors, HasSubstr("cannot write to standard output"));
 }
 
-/// What bash offers after `words`, which are words of a bash array; the last is the one under the cursor.
+/// Completions of bash after `words`, which are words of a bash array; the last is the one under the cursor.
 std::string bashOffers(const std::string& words) {
   return runHaptolith(
              "completion bash > /dev/null; bash -c 'source <(\"$HAPTOLITH\" completion bash);"

@@ -16,14 +16,14 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-/// What such a user lacks. Under the address sanitizer mlockall() does nothing and says that it did.
+/// Privileges that such a user lacks. Under the address sanitizer mlockall() does nothing and reports success.
 #ifdef __SANITIZE_ADDRESS__
 constexpr const char* kLacking = "scheduler";
 #else
 constexpr const char* kLacking = "scheduler, memory lock";
 #endif
 
-/// The program for a user whom the system grants nothing, whoever runs the tests.
+/// The program for a user without privileges, whoever runs the tests.
 std::string withoutRights(const std::string& arguments) {
   const char* drop = geteuid() == 0 ? "setpriv --bounding-set=-sys_nice,-ipc_lock,-sys_resource " : "";
   return fmt::format("prlimit --rtprio=0 --memlock=65536 {}\"$HAPTOLITH\" {}", drop, arguments);

@@ -93,7 +93,7 @@ assert recorded.state_hash.iloc[3] == 3 * 0x9E3779B97F4A7C15 % 2**64
 )");
 }
 
-/// What reads the exports back: parsed files, with what they refer to.
+/// Reads the exports back: parsed files, with the files that they refer to.
 constexpr const char* kReaders = R"(
 import h5py, numpy, pandas, xml.etree.ElementTree as xml
 

@@ -56,7 +56,7 @@ TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
   EXPECT_THAT(again.errors, HasSubstr("--overwrite"));
 }
 
-// Part by part: where to begin, what that tells, and what is to be done after that.
+// Part by part: where to begin, its information, and the next part.
 TEST_F(IdentifyCommands, ChooseTheNextPart) {
   const ProgramResult first = runHaptolith("identify next --origin-mm 0,0,60.4 --out " + in("first.csv"));
   EXPECT_EQ(first.exit_status, 0) << first.errors;

@@ -85,7 +85,7 @@ TEST_F(LabCollect, TellsMeanAndScatterOfEachNumber) {
   EXPECT_EQ(answer.at("specimens"), 2);
   const json shaken = answer.at("results").at("shake_ratio");
   EXPECT_DOUBLE_EQ(shaken.at("mean"), (a + b) / 2);
-  EXPECT_NEAR(shaken.at("sd"), std::abs(a - b) / std::sqrt(2), 1e-12);  // of two: (n - 1)
+  EXPECT_NEAR(shaken.at("sd"), std::abs(a - b) / std::sqrt(2), 1e-12);  // two values: (n - 1)
   EXPECT_EQ(shaken.at("specimens"), 2);
   const json weight = answer.at("findings").at(0);
   EXPECT_EQ(weight.at("measured"), "weight felt over weight");
@@ -101,7 +101,7 @@ TEST_F(LabCollect, TellsMeanAndScatterOfEachNumber) {
 }
 
 TEST_F(LabCollect, PutsCalibrationsTogether) {
-  // What `lab calibrate --specimens 2 --json` printed for another seed; a calibration takes minutes.
+  // Output of `lab calibrate --specimens 2 --json` for another seed; a calibration takes minutes.
   const json printed = json::parse(R"({"test": "calibrate", "soil": "32°, 0 Pa, 1500 kg/m³", "friction": "contact",
     "body": "Moon", "gravity_m_s2": 1.625, "radius_mm": 7.0, "stiffness_n_m": 3000.0, "seed": 1,
     "friction_angle_deg": 32.4, "friction_angle_sd_deg": 0.6, "cohesion_pa": 12.0, "cohesion_sd_pa": 9.0,

@@ -4,7 +4,7 @@
 
 namespace haptolith {
 
-/// What a finished program left behind.
+/// Result of a finished program.
 struct ProgramResult {
   int exit_status = -1;  ///< -1 when a signal ended it
   std::string output;    ///< standard output

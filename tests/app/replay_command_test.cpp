@@ -271,7 +271,7 @@ TEST_F(ReplayCommand, TicksThatAreMissingFailToVerify) {
   EXPECT_THAT(told.output, HasSubstr("missing    100 ticks after 0.200 s"));
 }
 
-// The terminal has been stopped, as by Ctrl-S, and goes on only when the recording is complete.
+// The terminal has been stopped, as by Ctrl-S, and continues only when the recording is complete.
 TEST_F(ReplayCommand, ATerminalThatNobodyReadsHoldsUpNoRecording) {
   std::ofstream(file("stopped.py")) << R"(
 import os, pty, subprocess, sys, termios, time

@@ -271,7 +271,7 @@ TEST_F(RunCommand, FigureIsDrawn) {
 // The plate's movement is real (scenes/plate-in-sand.csv); the bed's answer must be force that grows with sinkage.
 TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
   summaryOf(fmt::format("--unpaced --trace {} {}/scenes/plate-in-sand.toml", file("plate.csv"), sourceDir().string()));
-  constexpr double kStartHeight_m = 0.117188 + 0.0025;  // of the plate's centre at no sinkage
+  constexpr double kStartHeight_m = 0.117188 + 0.0025;  // the plate's centre at no sinkage
   std::vector<double> sum(4), count(4);                 // in bins of 9 mm of sinkage
   const auto rows = readCsv(file("plate.csv"));
   for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -402,7 +402,7 @@ TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
 }
 
 TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
-  // The address is read from standard error while the program runs; bash can ask for a page by itself.
+  // The address is read from standard error while the program runs; bash can request a page.
   const std::string ask = R"( 2> $0.log & trap "rm -f $0.log" EXIT
     for i in $(seq 100); do port=$(sed -nE "s|.*http://127.0.0.1:([0-9]+)/.*|\1|p" $0.log); [ "$port" ] && break; sleep 0.05; done
     exec 3<>/dev/tcp/127.0.0.1/$port; printf "GET / HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3; cat <&3; kill -INT %1; wait)";

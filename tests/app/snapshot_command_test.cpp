@@ -37,7 +37,7 @@ class SnapshotCommand : public testing::Test {
                                   settings, arguments, (folder_ / name).string()));
   }
 
-  /// How many files there are in the folder, but for the one for temporary files, which has to be empty.
+  /// Number of files in the folder, without the folder for temporary files, which has to be empty.
   [[nodiscard]] std::size_t files() const {
     for (const fs::directory_entry& left : fs::recursive_directory_iterator(temporary_)) {
       ADD_FAILURE() << left.path() << " is left";

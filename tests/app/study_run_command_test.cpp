@@ -197,7 +197,7 @@ body = "Ceres"
     for (const char* name : {"P1", "P2", "P3", "P6", "Ceres", "Moon", "lunar", "paper"}) {
       EXPECT_THAT(*message, testing::Not(HasSubstr(fmt::format("\"{}\"", name))));
     }
-    for (const char* running : {"time_s", "tick_us", "rate_hz", "remaining_s"}) {  // any number, a stimulus's, too
+    for (const char* running : {"time_s", "tick_us", "rate_hz", "remaining_s"}) {  // any number, also a stimulus's
       told.erase(running);
     }
     for (const char* number : {"0\\.835", "0\\.6", "1\\.21"}) {
@@ -294,7 +294,7 @@ TEST_F(RunningStudy, ARobotBehindALinkFollowsInEachTrialAndIsMeasured) {
 }
 
 TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
-  // In soil of the Moon: a bed of 256 balls is too thin for a model of it to tell when a press is done.
+  // In soil of the Moon: a bed of 256 particles is too thin for a model to detect a completed press.
   const std::string on_the_moon = std::regex_replace(std::string(kPresses), std::regex("site = \"paper\"\n"), "");
   std::ofstream(file("press.toml")) << "scene = \"dig\"\n"
                                     << std::regex_replace(on_the_moon, std::regex("interval_s = 4"), "interval_s = 60");
@@ -435,7 +435,7 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
                     HasSubstr("Lapses: the rate is fitted"), HasSubstr("takes all answers for one person's")));
 }
 
-// The script in an export is a program of its own for the same model.
+// The script in an export is an independent program for the same model.
 TEST_F(StudyRunCommands, TheScriptOfAnExportMakesTheNumbersOfAFigureAgain) {
   if (runInShell("/usr/bin/python3 -c 'import scipy'").exit_status != 0) {
     GTEST_SKIP() << "scipy is not installed";

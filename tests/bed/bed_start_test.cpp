@@ -80,7 +80,7 @@ TEST(CountStart, NobodyIsCloserThanTheSqueezeAllows) {
   for (std::size_t i = 0; i < centres.size(); ++i) {
     const double nearest = nearestNeighbour(centres, i);
     EXPECT_GT(nearest, 0.88 * 2 * bed.soil.radius_m);
-    EXPECT_LT(nearest, 2 * bed.soil.radius_m);  // every one has somebody to hold it
+    EXPECT_LT(nearest, 2 * bed.soil.radius_m);  // every particle has a support
   }
 }
 
@@ -191,7 +191,7 @@ TEST(RainStart, DropsApartInsideTheWallsAndDependsOnTheSeedAlone) {
   ASSERT_EQ(centres.size(), 300U);
   expectInsideWalls(centres, bed, bed.soil.radius_m - 1e-8);
   for (std::size_t i = 0; i < centres.size(); ++i) {
-    EXPECT_GT(nearestNeighbour(centres, i), 2 * bed.soil.radius_m);  // nobody starts pressed into another
+    EXPECT_GT(nearestNeighbour(centres, i), 2 * bed.soil.radius_m);  // no particle starts pressed into another
   }
   EXPECT_EQ(startingCentres(bed), centres);
   bed.seed = 2;

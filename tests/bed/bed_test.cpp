@@ -20,7 +20,7 @@ namespace {
 constexpr double kTick_s = 1e-3;
 constexpr double kMass_kg = 2.638809e-3;
 constexpr double kWeight_n = kMass_kg * 1.625;
-// What damping of one contact leaves of a velocity in one step: 1 / (1 + dt c / m) = 1 / 1.0189479.
+// Fraction of a velocity after damping by one contact in one step: 1 / (1 + dt c / m) = 1 / 1.0189479.
 constexpr double kKeptByOneContact = 1 / 1.0189479;
 
 BedParameters frictionless() {
@@ -214,7 +214,7 @@ TEST(Wall, PushesBackWhatIsBeyondIt) {
 TEST(Wall, TheFloorCarriesAParticleAtTheHeightThatItsWeightAsksFor) {
   BedParameters parameters = onTheMoon();
   parameters.soil.mu_hat = 0;
-  Bed bed(parameters, {Vec3(0, 0, 0.01)});  // falls 3 mm and comes to rest
+  Bed bed(parameters, {Vec3(0, 0, 0.01)});  // falls 3 mm and settles
   for (int i = 0; i < 5000; ++i) {
     ASSERT_EQ(bed.step(kTick_s), StepStatus::kOk);
   }

@@ -254,7 +254,7 @@ TEST(SettledStart, FillsABoxThatRepeatsItselfWithWholeTilesWithoutASeam) {
   EXPECT_DOUBLE_EQ(2 * tile.length_m, parameters.length_m);
   const Bed bed(parameters);
   EXPECT_EQ(bed.particles(), 4 * tile.grains.size());
-  // Nothing had to settle: each grain is where its tile has it, to the last bit but what the shift rounds.
+  // Nothing had to settle: each particle is in the place of its tile, exact except for the rounding of the shift.
   const LaidSoil laid = laidOut(tile, parameters);
   for (std::size_t i = 0; i < bed.particles(); ++i) {
     EXPECT_EQ(bed.state().position[i].x, laid.grains[i].x);

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kRadius_m = 7e-3;
 
-/// An empty box, so wide that nobody comes near its walls, without gravity.
+/// An empty box, so wide that no particle comes near its walls, without gravity.
 BedParameters space() {
   BedParameters bed;
   bed.soil.friction = FrictionModel::kContact;
@@ -78,7 +78,7 @@ std::size_t slipping(const Bed& bed) {
 
 // --- against an independent version ----------------------------------------------------------------------------------
 
-/// The bed beside the reference; the largest difference in any velocity on the way.
+/// Runs the bed and the reference; returns the largest difference in any velocity.
 double furthestFromReference(const BedParameters& parameters, const std::vector<Vec3>& x, const std::vector<Vec3>& v,
                              int steps) {
   Bed bed(parameters, x);
@@ -101,7 +101,7 @@ double furthestFromReference(const BedParameters& parameters, const std::vector<
 }
 
 TEST(ContactFrictionBed, AnObliqueImpactIsTheReferences) {
-  // Two that meet at 0.5 m/s, half a radius off centre: they slide, stick and part within some 20 ms. A distance
+  // Two that meet at 0.5 m/s, half a radius off centre: they slide, stick and separate within about 20 ms. A distance
   // between floats near 60 mm is known to 4e-9 m, at 1000 N/m that is 4e-6 N or 3e-7 m/s a step; over a hundred steps
   // of contact at random signs 3e-6 m/s.
   for (const double friction : {0.0, 0.1, 0.5, 3.0}) {
@@ -130,7 +130,7 @@ TEST(ContactFrictionBed, ThreeParticlesThatFallOnTheFloorAreTheReferences) {
 // ------------------------------------------------------------------------------------------
 
 TEST(ContactFrictionBed, AContactSticksSlidesAndTurnsRoundAsASpringThatGivesWay) {
-  // One particle stands still, the other is led past it. a = 13.5 mm: N = F(a); k_t = 500 N/m, L = mu_p N.
+  // One particle is fixed, the other is led past it. a = 13.5 mm: N = F(a); k_t = 500 N/m, L = mu_p N.
   BedParameters parameters = space();
   parameters.soil.damping_ratio = 0;
   const double a = 0.0135;
@@ -138,7 +138,7 @@ TEST(ContactFrictionBed, AContactSticksSlidesAndTurnsRoundAsASpringThatGivesWay)
   const double k_t = 500;
   Bed bed(parameters, {Vec3(0, 0, 0.06), Vec3(0, 0, 0.06 + a)});
   const double to_limit_m = limit / k_t;
-  ASSERT_LT(to_limit_m, 1e-4);  // so little that the normal hardly turns: 1 %
+  ASSERT_LT(to_limit_m, 1e-4);  // so little that the normal turns by 1 % only
   const double dt = stepOf(parameters);
   const double speed = to_limit_m / (100 * dt);
   const auto lead = [&](double way_m) {
@@ -160,7 +160,7 @@ struct OnASlope {
   Vec3 velocity_m_s, position_m;
 };
 
-/// A particle lies on the floor while gravity tips over to a slope of `tan_slope`.
+/// A particle rests on the floor while gravity tips over to a slope of `tan_slope`.
 OnASlope onASlope(double tan_slope, const Vec3& downhill, int steps) {
   BedParameters parameters = space();
   parameters.gravity_m_s2 = {0, 0, -1.625};
@@ -205,10 +205,10 @@ TEST(ContactFrictionBed, AWallIsAsRoughAsItsRatioSays) {
 // --- conservation
 // -----------------------------------------------------------------------------------------------------
 
-/// Where clouds begin: so high that none of them comes down to the floor.
+/// Initial height of clouds: so high that none of them reaches the floor.
 const Vec3 kAloft_m(0, 0, 0.6);
 
-/// Particles at random in a ball of `radius_m`, none deeper in another than a tenth of their size.
+/// Particles at random in a sphere of `radius_m`, none deeper in another than a tenth of their size.
 std::vector<Vec3> ball(int particles, double radius_m, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -253,7 +253,7 @@ double momentumDrift(const BedParameters& parameters, const std::vector<Vec3>& c
 }
 
 TEST(ContactFrictionBed, ACohesiveClumpKeepsItsMomentum) {
-  // Forces are opposite to the bit; what is left is the rounding of sums and velocities, 3e-8 of each a step at random.
+  // Forces are exact opposites; the rest is the rounding of sums and velocities, 3e-8 of each a step at random.
   BedParameters parameters = space();
   parameters.soil.contact_cohesion_n = 0.02;
   const double drift = momentumDrift(parameters, ball(80, 0.04, 3), 0);
@@ -353,7 +353,7 @@ TEST(ContactFrictionBed, ANudgedParticleNeverComesOutFasterThanItWentIn) {
 // -----------------------------------------------------------------------------------------------------------
 
 TEST(ContactFrictionBed, MemorySurvivesBeingEnteredAgain) {
-  // The same two, standing still and flying past at 2 m/s: entered anew every few steps they remember as much.
+  // The same two, at rest and flying past at 2 m/s: relisted every few steps, they keep the same slip.
   std::vector<Vec3> slips[2];
   for (const bool flying : {false, true}) {
     BedParameters parameters = space();

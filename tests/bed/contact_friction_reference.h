@@ -17,7 +17,7 @@ namespace haptolith {
 /// independent version.
 struct ReferencePair {
   Vec3 force_n = Vec3::Zero();  ///< on the first
-  double compression_n = 0;     ///< what limits friction, over mu_p
+  double compression_n = 0;     ///< limit of friction, over mu_p
 };
 
 /// @param towards      unit vector from the second to the first.

@@ -1,4 +1,4 @@
-// The paper's scene with contact friction, that nobody touches: no creep, and energy only goes.
+// The undisturbed scene of the paper with contact friction: no creep, and energy only decreases.
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ double largestRise(Bed& bed, double duration_s) {
   return rise;
 }
 
-/// What rounding can do: a position of 0.1 m is known to 4e-9 m, and a contact carries up to 0.05 N in this bed: 2e-10
+/// Effect of rounding: a position of 0.1 m is known to 4e-9 m, and a contact carries up to 0.05 N in this bed: 2e-10
 /// J for one that is rounded, 256 x 12 / 2 of them at random signs: 1e-8 J. The bed has 0.02 J.
 constexpr double kRounding_j = 1e-8;
 
@@ -82,7 +82,7 @@ TEST(ContactFrictionRest, RainLosesEnergyAllTheWayDown) {
   EXPECT_LT(bed.largestSpeed(), 1e-2);
 }
 
-// Ten simulated minutes take about one. The bed then lies so still that nothing moves by as much as a float can tell:
+// Ten simulated minutes take about one. The bed is then so quiet that no movement is resolved by a float:
 // the largest rise is 1e-13 J, and what rounding could do (above) does not show.
 //   build/release/tests/bed/test_bed --gtest_also_run_disabled_tests --gtest_filter='*TenMinutes*'
 TEST(ContactFrictionRest, DISABLED_EnergyDoesNotGrowInTenMinutesAtRest) {

@@ -50,7 +50,7 @@ TEST(ContactLoad, OfTwoSizesIsThatOfTheSizeBetweenAndTheSameForBoth) {
   const auto grain = [&](double x_m, double of_r) {
     return Float4{static_cast<float>(x_m), 0, 0.05F, static_cast<float>((of_r - 1) * r)};
   };
-  // Coarse against fine, fine against fine, each pressed by 3 % of the radius between them; the last touches nobody.
+  // Coarse against fine, fine against fine, each pressed by 3 % of the radius between them; the last touches none.
   const double between = 2 * r * (r / 4) / (r + r / 4);
   const double mixed_m = 1.25 * r - 0.03 * between;
   const double fine_m = 0.5 * r - 0.03 * r / 4;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-/// So many particles that three threads have work (a thread is used for every 4096).
+/// Number of particles that gives three threads work (a thread is used for every 4096).
 BedParameters largeBed(int threads) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;

@@ -1,4 +1,4 @@
-// A bed whose grains somebody has put where they are: of a file, or of another program.
+// A bed whose particles have given positions, from a file or another program.
 
 #include <gmock/gmock.h>
 
@@ -67,7 +67,7 @@ TEST(GivenStart, LiesStillAndAsDense) {
   EXPECT_EQ(again.particles(), settled.particles());
   EXPECT_EQ(again.heldParticles(), settled.heldParticles());
   EXPECT_GT(again.heldParticles(), 0U);
-  // What its contacts remembered was forgotten, and found again.
+  // The slip of its contacts was cleared, and built up again.
   EXPECT_NEAR(meanHeight(again) / meanHeight(settled), 1, 0.01);
   const double began_m = meanHeight(again);
   again.wake(0);

@@ -47,7 +47,7 @@ Float4 grain(const BedParameters& bed, int grain_class, const Vec3& at) {
           static_cast<float>((GrainClasses::scale(grain_class) - 1) * r)};
 }
 
-/// Groups of 16 far from each other, but for those that are placed.
+/// Groups of 16 far from each other, except the placed ones.
 std::vector<Float4> withOnly(const BedParameters& bed, const std::vector<std::vector<Float4>>& of_class) {
   std::vector<Float4> grains;
   for (std::size_t c = 0; c < of_class.size(); ++c) {
@@ -105,7 +105,7 @@ TEST(GradedBed, TwoGrainsPushEachOtherLikeTwoOfTheSizeBetween) {
       const double rb = GrainClasses::scale(b) * 7e-3;
       const double between = 2 * ra * rb / (ra + rb);
       const ContactLaw law = makeContactLaw(rescaled(parameters.soil, between));
-      for (const double gap : {-0.06, -0.01, 0.1, 0.3}) {  // of the radius between
+      for (const double gap : {-0.06, -0.01, 0.1, 0.3}) {  // in the radius between
         const double gap_m = gap * between;
         std::vector<std::vector<Float4>> placed(3);
         placed[static_cast<std::size_t>(a)].push_back(grain(parameters, a, {0, 0, 0.5}));
@@ -202,7 +202,7 @@ TEST(GradedBed, BeginsWithFineGrainsWhereTheyAreWantedAndAtRest) {
 }
 
 /// Soil sinks where sizes are joined, where it slumps to bare walls, and when cohesion draws it together: a bed of
-/// 45 mm was 26 mm deep once, of several sizes, and went on sinking when it was made.
+/// A bed of several sizes, 45 mm deep, was once 26 mm deep and continued to sink.
 TEST(GradedBed, LiesAsHighAsItsSoilWithoutFinerGrainsAndStays) {
   BedParameters parameters = gradedBox(3.5e-3);
   parameters.start = BedStart::kSettled;

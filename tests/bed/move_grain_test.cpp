@@ -1,4 +1,4 @@
-// A grain that is put somewhere else while the bed goes on.
+// A particle that is moved while the bed runs.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ std::vector<std::size_t> highest(const Bed& bed) {
   return grains;
 }
 
-/// The highest fifth of a grain's radius above the soil, beside the middle.
+/// A place a fifth of a particle's radius above the soil, next to the centre.
 GrainMove someMove(const Bed& bed, std::size_t which, double x_m) {
   const std::size_t grain = highest(bed)[which];
   return {grain, placeOf(bed, grain), {x_m, 0.02 * static_cast<double>(which), bed.surfaceHeight() + 8e-3}};

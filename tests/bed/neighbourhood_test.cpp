@@ -176,7 +176,7 @@ TEST(Neighbourhood, RefusesALargeBedThatHasCollapsed) {
   expectAllPairs(heap);
 }
 
-/// A crowd that flies about, entered again as a bed does it: whoever is further than `threshold_m` from its place.
+/// Particles in random flight, relisted as in a bed: those further than `threshold_m` from their reference position.
 struct Flying {
   std::vector<Float4> position, velocity;
   double bounce_m = 0.1;
@@ -257,7 +257,7 @@ TEST(Neighbourhood, MemoryStaysWithItsPair) {
   Flying flying(400, 1, 0, 11);
   Listed listed(flying.position, {0.126, 0.126, 0.1, {}});
   ASSERT_TRUE(listed.buildAll());
-  // Every pair remembers a number of its own; who parts and meets again has forgotten it.
+  // Every pair stores a different number; pairs that separate and touch again have lost it.
   const auto number = [](std::size_t i, std::size_t j) { return static_cast<float>(1000 * i + j); };
   std::set<std::pair<std::size_t, std::size_t>> known;
   for (std::size_t i = 0; i < listed.particles(); ++i) {
@@ -295,7 +295,7 @@ TEST(Neighbourhood, MemoryStaysWithItsPair) {
 }
 
 TEST(Neighbourhood, TheOrderOfListsDoesNotDependOnTheHistoryOfCells) {
-  // A saved bed has lists, but no cells: entered anew, it must go on alike.
+  // A saved bed has lists, but no cells: rebuilt, it must continue identically.
   Flying flying(300, 1, 0, 13);
   Listed one(flying.position, {0.126, 0.126, 0.1, {}});
   ASSERT_TRUE(one.buildAll());

@@ -1,4 +1,4 @@
-// Beds that nobody touches: they come to rest, stay there, and never have more energy than they were given.
+// Undisturbed beds: they settle, stay at rest, and never have more energy than they were given.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,8 @@ std::vector<Vec3> centresOf(const Bed& bed) {
   return centres;
 }
 
-/// Nobody through a wall or the floor. A wall's push grows with k, so a centre may stand a little nearer than R.
+/// Checks that no particle is through a wall or the floor. A wall's force grows with k, so a centre may be slightly
+/// nearer than R.
 void expectInside(const Bed& bed) {
   const BedParameters& box = bed.parameters();
   for (const Vec3& c : centresOf(bed)) {
@@ -186,7 +187,7 @@ TEST(Rain, SettlesInsideTheWallsAtASaneDensityAndStaysThere) {
     expectInside(bed);
   }
   // Between a loose heap and the densest the law knows. The box is only 9 particles wide, so walls leave gaps, and the
-  // highest particle says how high the soil is: that alone is 4 % from one bed to the next.
+  // highest particle determines the height of the soil: that alone is 4 % from one bed to the next.
   EXPECT_GT(density, 0.7 * parameters.soil.rho0_kg_m3);
   EXPECT_LT(density, parameters.soil.rho_max_kg_m3);
 }
@@ -250,7 +251,7 @@ TEST(PackedBed, ADeepBedKeepsTheDensityOfTheAnalysisUnderFriction) {
   EXPECT_LT(bed.largestSpeed(), kAtRest_m_s);
   const std::vector<Layer> analysis = layersToDepth(parameters.soil, 1.625, 0.62);
   for (const auto& [top, bottom] : {std::pair{0.0, 0.15}, {0.0, 0.3}, {0.3, 0.6}, {0.0, 0.6}}) {
-    // A particle smeared over one height instead of its own layer's moves the edge of a band by up to 1 mm: 1 mm of 15
+    // A particle spread over one height instead of its own layer's moves the edge of a band by up to 1 mm: 1 mm of 15
     // cm.
     EXPECT_NEAR(bandDensity(bed, 16, top, bottom), bandMeanDensity(analysis, top, bottom), 10) << top << " " << bottom;
   }

@@ -42,7 +42,7 @@ struct Crowd {
       }
     }
   }
-  /// With nobody listed.
+  /// Without listed neighbours.
   void begin() {
     n = position.size();
     position.resize(paddedCount(n), kGhost);
@@ -189,7 +189,7 @@ TEST_F(ContactKernel, APairWeighsTheSameInEveryPlaceOfItsGroup) {
         EXPECT_NEAR(sums[one].force_x_n, per_metre * -0.008, 1e-6) << one << " " << two;
         EXPECT_NEAR(sums[one].force_y_n, per_metre * -0.006, 1e-6);
         EXPECT_NEAR(sums[one].force_z_n, per_metre * 0.005, 1e-6);
-        EXPECT_EQ(sums[two].force_x_n, -sums[one].force_x_n);  // to the bit: the same operations with signs turned
+        EXPECT_EQ(sums[two].force_x_n, -sums[one].force_x_n);  // exact: equal operations with opposite signs
         EXPECT_EQ(sums[two].force_y_n, -sums[one].force_y_n);
         EXPECT_EQ(sums[two].force_z_n, -sums[one].force_z_n);
         for (std::size_t i = 0; i < sums.size(); ++i) {

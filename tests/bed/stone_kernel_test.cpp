@@ -78,7 +78,7 @@ class StoneKernel : public EveryTarget {
               position_.data(), velocity_.data(), pack_, touch_);
   }
 
-  /// Of each grain by itself, in double precision.
+  /// Force on each particle separately, in double precision.
   void expectTheLawAfter(const StonePack& before) const {
     int touching = 0;
     for (std::size_t k = 0; k < kGroup; ++k) {

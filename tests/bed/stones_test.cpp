@@ -66,7 +66,7 @@ Bed stonesOnly(BedParameters bed, std::vector<PlacedStone> stones) {
   const double corner_m = -bed.width_m / 2 + 2 * bed.soil.radius_m;
   const Vec3 far(corner_m, corner_m, bed.soil.radius_m);
   for (PlacedStone& stone : stones) {
-    stone.depth_m += 2 * bed.soil.radius_m;  // of the particle's top
+    stone.depth_m += 2 * bed.soil.radius_m;  // from the particle's top
   }
   bed.stones.placed = std::move(stones);
   return {bed, std::vector<Vec3>{far}};
@@ -96,7 +96,7 @@ Vec3 downSlope(double angle_deg) {
   return kMoon_m_s2 * Vec3(std::sin(angle), 0, -std::cos(angle));
 }
 
-/// How far a stone sinks into the floor by its own weight, roughly.
+/// Approximate depth of a stone in the floor under its own weight.
 void putOnFloor(Bed& bed) {
   const Stones& stones = bed.stones();
   double lowest_m = 1;
@@ -133,7 +133,7 @@ TEST(Stones, SlideDownASlopeAsCoulombSays) {
   box.gravity_m_s2 = downSlope(40);
   Bed bed = stonesOnly(box, {clump(table(), {0, 0, 0.05})});
   putOnFloor(bed);
-  run(bed, 0.2);  // the springs of its contacts come to rest
+  run(bed, 0.2);  // the springs of its contacts settle
   const double before = bed.stones().twist(0).linear_m_s.x();
   run(bed, 0.5);
   const double wanted = kMoon_m_s2 * (std::sin(angle) - kFriction * std::cos(angle));
@@ -169,7 +169,7 @@ TEST(Stones, RollDownASlope) {
 }
 
 TEST(Stones, ABackSpinTurnsIntoRolling) {
-  // A ball that slides without turning rolls in the end with 5/7 of its speed, however strong the friction.
+  // A sphere that slides without rotation rolls in the end with 5/7 of its speed, however strong the friction.
   BedParameters box = emptyBox();
   box.gravity_m_s2 = {0, 0, -kMoon_m_s2};
   Bed bed = stonesOnly(box, {ball(0.04, {-1, 0, 0.02})});
@@ -180,7 +180,7 @@ TEST(Stones, ABackSpinTurnsIntoRolling) {
 
 TEST(Stones, SpinFreelyAsEulerSays) {
   BedParameters box = emptyBox();
-  // Of two equal balls: a symmetric top, whose axis goes round its angular momentum with L / I_across.
+  // Two equal spheres: a symmetric top, whose axis precesses about its angular momentum with L / I_across.
   Bed bed = stonesOnly(box, {clump({{Vec3(0.015, 0, 0), 0.02}, {Vec3(-0.015, 0, 0), 0.02}}, {0, 0, 1})});
   Stones& stones = bed.stones();
   int along = 0;
@@ -222,7 +222,7 @@ TEST(Stones, ATumblingStoneKeepsItsEnergy) {
   EXPECT_LT(most, 1e-4);
 }
 
-/// Two balls that meet: speed of the first before and after, relative to the second, along their line.
+/// Collision of two spheres: speed of the first before and after, relative to the second, along their line.
 double restitution(double damping_ratio) {
   BedParameters box = emptyBox();
   box.soil.damping_ratio = damping_ratio;
@@ -360,7 +360,7 @@ TEST(Stones, SoilAroundThemIsAsDenseAsElsewhere) {
   const Vec3 middle = bed.stones().pose(0).position_m;
   const int with = grainsWithin(bed, middle, kAround_m);
   const int without = grainsWithin(level, middle, kAround_m);
-  // Beside a wall soil is looser, as if the wall stood 0.35 R further out.
+  // Soil is looser next to a wall, as if the wall were 0.35 R further out.
   const double taken = std::pow((kStone_m + 0.35 * soilWithStones().soil.radius_m) / kAround_m, 3);
   EXPECT_NEAR(with, (1 - taken) * without, 0.05 * without) << without;
 }
@@ -487,7 +487,7 @@ TEST(Stones, ThatAreLightTakeMoreStepsOrAreRefused) {
   bed.stones.placed.back() = clump({{Vec3(0, 0, 0), 1e-3}, {Vec3(1e-3, 0, 0), 1e-3}}, Vec3::Zero());
   bed.max_substeps = 5;
   EXPECT_THAT(refusalOfSteps(bed), HasSubstr("spheres_mm of stone 2 = 2 is"));
-  // The least that it names is enough, and hardly more than enough.
+  // The minimum that it names is sufficient, and barely more.
   bed.stones = {};
   bed.stones.placed = {ball(1e-3, Vec3::Zero())};
   const std::string refusal = refusalOfSteps(bed);

@@ -113,7 +113,7 @@ TEST_F(TileCache, MakesTheBedWithoutAFolderThatCannotBeWritten) {
 }
 
 TEST_F(TileCache, MakesTheBedThoughTheDiskIsFull) {
-  // What a full disk does to write(), a limit of the file size does, too, once its signal is ignored.
+  // A limit of the file size acts on write() like a full disk, once its signal is ignored.
   rlimit usual{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &usual), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
@@ -168,7 +168,7 @@ TEST_F(TileCache, SettlesGrainsOfSeveralSizesOnceAndGivesThemBackBitForBit) {
   bed.grading.fine_radius_m = bed.soil.radius_m / 2;
   bed.grading.fine_width_m = bed.grading.fine_length_m = 0.04;
   bed.grading.fine_depth_m = 0.015;
-  // It settles long, and finds its hold with friction each time it is made, which is told in the same way.
+  // It settles for long, and builds up friction each time it is made, reported in the same way.
   const auto looks = [](const BedParameters& wanted, std::uint64_t& hash) {
     int count = 0;
     hash = stateHash(Bed(wanted, [&](double, double) { return ++count > 0; }).state());

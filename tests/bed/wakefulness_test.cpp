@@ -145,7 +145,7 @@ TEST_F(ThreeGroups, KeptOrDrivenGroupsDoNotSleep) {
 TEST_F(ThreeGroups, TheSideThatWakesTakesOverWhatTheOtherRemembers) {
   step(kRule.steps + 3 * static_cast<int>(kTurn), {0});
   ASSERT_THAT(wakefulness_.awake(), ElementsAre(0, 1));
-  state_.contacts.setSlip(31, 0, {9, 9, 9});  // of group 1, whose second contact it is
+  state_.contacts.setSlip(31, 0, {9, 9, 9});  // the second contact of group 1
   const std::uint32_t back = state_.contacts.find(31, 32);
   state_.contacts.setSlip(31, back, {1, -2, 3});
   wakefulness_.wakeAround(31, state_);

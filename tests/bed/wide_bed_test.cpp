@@ -1,4 +1,4 @@
-// Boxes so wide that single precision does not tell where slow particles are.
+// Boxes so wide that single precision does not resolve slow particles.
 
 #include <gtest/gtest.h>
 

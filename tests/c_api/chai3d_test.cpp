@@ -1,4 +1,4 @@
-// The adaptor to CHAI3D, with a stand-in of CHAI3D's classes and, where CHAI3D_DIR says where it is, with CHAI3D.
+// The adaptor to CHAI3D, with mocks of CHAI3D's classes and, if CHAI3D_DIR is set, with CHAI3D.
 
 #include <gmock/gmock.h>
 #include <haptolith/chai3d.hpp>
@@ -154,7 +154,7 @@ void expectNear(const cVector3d& a, const cVector3d& b, double tolerance) {
 // ----------------------------------------------------------------------------------------------------
 
 TEST(Chai3dTool, FeelsTheSameBitsAsTheCInterface) {
-  const char* dig = "[soil]\npreset = 'P3'\n[gravity]\nbody = 'Moon'\n";  // of examples/c/dig.c
+  const char* dig = "[soil]\npreset = 'P3'\n[gravity]\nbody = 'Moon'\n";  // as in examples/c/dig.c
   const ScenePtr in_c = sceneOf(dig);
   Rig rig(sceneOf(dig));
   const auto way = digging(rig.surface());
@@ -299,7 +299,7 @@ TEST(Chai3dTool, StretchesMovementsAndNotForces) {
 // --- time
 // -------------------------------------------------------------------------------------------------------------
 
-/// What was felt in each tick that ended a call, by its number.
+/// Force of each tick that ended a call, by its number.
 std::vector<std::array<double, 4>> dugAt(double calls_hz, double duration_s) {
   Rig rig;
   rig.tool->setUseSafety(false);
@@ -373,7 +373,7 @@ TEST(Chai3dTool, KeepsTimeWithTheClock) {
     passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   EXPECT_LE(static_cast<double>(rig.tool->getTicks()), passed_s / kTick_s + 1);
-  EXPECT_GE(rig.tool->getTicks(), 1U);  // of a machine that is busy
+  EXPECT_GE(rig.tool->getTicks(), 1U);  // the machine may be busy
 }
 
 // --- the hand
@@ -463,7 +463,7 @@ TEST(Chai3dTool, ShowsWhatTheSafetyLayerOfTheCInterfaceShows) {
   EXPECT_NEAR(rig.felt(), 4, 0.5);
 }
 
-/// What a hand that presses feels in a tick, and when it then goes deeper before the next.
+/// Force on a pressing hand in a tick, and after it has moved deeper before the next.
 std::array<double, 2> feltBetweenTicks(const std::vector<std::string>& safety, double max_force_n, double deeper_m) {
   Rig rig;
   rig.device->m_specifications.m_maxLinearForce = max_force_n;

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the examples as a stranger would, against an installed tree, and looks at what they print.
+# Builds the examples as a user would, against an installed tree, and checks their output.
 #   consumers.sh HOW BUILD_FOLDER WORK_FOLDER    HOW: find_package, pkg_config, add_subdirectory, mujoco, chai3d, symbols or header
 #   consumers.sh HOW installed WORK_FOLDER       with what the system's packages have installed: find_package, pkg_config, mujoco, chai3d
 set -euo pipefail
@@ -101,7 +101,7 @@ CMAKE
       /usr/bin/python3 "$source/examples/mujoco/draw.py" "$work/arm.csv" "$work/arm.png"
     [[ -s $work/arm.png ]] || fail "the arm is not drawn"
     ;;
-  chai3d)  # with a stand-in of its classes, in the C++ that CHAI3D is built with
+  chai3d)  # with mocks of its classes, in the C++ that CHAI3D is built with
     install
     read -ra flags <<< "$(pkg-config --cflags --libs haptolith)"
     g++ -std=c++11 -pedantic -Wall -Wextra -Werror -isystem "$source/tests/c_api/chai3d" "$source/examples/chai3d/dig.cpp" "${flags[@]}" -o "$work/chai3d_dig"

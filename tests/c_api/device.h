@@ -15,7 +15,7 @@ struct OwnDevice {
   double strongest_n = 0;
   std::atomic<int> let_go{0}, taken_up{0};
   double height_m = 0;  ///< added to where the hand would be
-  bool nan = false;     ///< tell rubbish
+  bool nan = false;     ///< report NaN
   std::int32_t state = HAPTO_DEVICE_LIVE;
 
   static OwnDevice& of(void* user) { return *static_cast<OwnDevice*>(user); }

@@ -35,7 +35,7 @@ struct Call {
   std::function<std::int32_t(const Handles&)> with;
 };
 
-/// What calls write to, and read good values from.
+/// Targets and valid inputs of calls.
 struct Good {
   hapto_pose pose{{0, 0, 0.2}, {1, 0, 0, 0}};
   hapto_wrench wrench{};
@@ -341,7 +341,7 @@ TEST(EveryFunction, ASceneInUseIsBusy) {
     hapto_scene* scene;
     std::int32_t status = -1;
   };
-  // A device that uses the scene of its own loop.
+  // A device that uses its loop's scene.
   const ScenePtr scene = sceneOf(kPaper);
   Inside inside{scene.get()};
   hapto_device device{};

@@ -26,7 +26,7 @@ SafetyPtr safetyOf(const hapto_device_limits& limits, std::vector<const char*> o
   return SafetyPtr(safety);
 }
 
-/// What a hand that holds still feels of a force.
+/// Permitted part of a force for a hand at rest.
 double shown(hapto_safety* safety, double force_n, double z_m = 0) {
   hapto_device_input told{};
   told.size = sizeof told;

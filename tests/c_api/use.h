@@ -11,7 +11,7 @@
 
 namespace haptolith::library {
 
-/// What went wrong last on this thread.
+/// The last error of this thread.
 inline hapto_error lastError() {
   hapto_error error{};
   error.size = sizeof error;
@@ -19,7 +19,7 @@ inline hapto_error lastError() {
   return error;
 }
 
-/// Expects HAPTO_OK, or says what was wrong.
+/// Expects HAPTO_OK, or reports the error.
 inline void expectOk(std::int32_t status) {
   EXPECT_EQ(status, HAPTO_OK) << lastError().message;
 }
@@ -63,7 +63,7 @@ inline SoilPtr soilOf(const char* name) {
   return SoilPtr(soil);
 }
 
-/// Where a tool is at a tick that digs in circles.
+/// Pose at a tick of a tool that digs in circles.
 inline hapto_pose stirring(int tick) {
   const double angle = 2 * M_PI * tick / 500.0;
   const double depth_m = 0.02 * (1 - std::cos(angle / 3));

@@ -181,7 +181,7 @@ TEST_F(AtomicFileTest, KeepsTheExtensionLastSoThatOtherProgramsKnowTheFormat) {
   EXPECT_EQ(file.temporaryPath().parent_path(), folder_);
 }
 
-// A file-size limit stands in for a full disk: the write comes back short, with an error.
+// A file-size limit replaces a full disk: the write returns short, with an error.
 class SizeLimit {
  public:
   explicit SizeLimit(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {

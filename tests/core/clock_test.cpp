@@ -35,7 +35,7 @@ TEST(SleepUntil, ReturnsAtOnceWhenTheTimeIsPast) {
   EXPECT_LT(monotonicNs() - start_ns, 500 * kMillisecondNs);  // a sleep relative to now would take 100 s
 }
 
-/// How long 40 ticks of 5 ms take, each with 2 ms of work.
+/// Duration of 40 ticks of 5 ms, each with 2 ms of work.
 std::int64_t fortyTicksNs() {
   constexpr int kTicks = 40;
   const std::int64_t start_ns = monotonicNs();

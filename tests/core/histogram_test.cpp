@@ -71,7 +71,7 @@ TEST(Histogram, TakesValuesBelowAndAboveItsRange) {
 TEST(Histogram, BucketsHoldWhatTheirEndsSay) {
   Histogram histogram(1);
   for (std::size_t bucket : {0, 1, 63, 64, 1000}) {
-    histogram.add(histogram.upperEnd(bucket) / std::sqrt(kBucket));  // in the middle
+    histogram.add(histogram.upperEnd(bucket) / std::sqrt(kBucket));  // geometric centre
     EXPECT_EQ(histogram.inBucket(bucket), 1U) << bucket;
   }
 }

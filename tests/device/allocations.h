@@ -2,7 +2,7 @@
 
 namespace haptolith {
 
-/// How often this thread has called operator new. Every call in this program counts.
+/// Number of calls of operator new by this thread. Every call in this program counts.
 [[nodiscard]] long allocationsOfThisThread() noexcept;
 
 }  // namespace haptolith

@@ -1,4 +1,4 @@
-// A stand-in for Force Dimension's SDK: its functions, without a device, for tests. They do what a test orders. Like
+// A mock of Force Dimension's SDK: its functions, without a device, for tests. They do what a test orders. Like
 // the SDK's they may be called from several threads at once, and therefore lock.
 
 #include "force_dimension_stand_in.h"
@@ -38,7 +38,7 @@ int result(const char* name) {
   return called(name) ? 0 : -1;
 }
 
-/// Half of the time that talking to the device takes: what is told happens in the middle of it.
+/// Half of the duration of a call to the device: its effect happens halfway.
 void talk() {
   if (stand_in.call_us > 0) {
     std::this_thread::sleep_for(std::chrono::microseconds(stand_in.call_us) / 2);

@@ -1,4 +1,4 @@
-// The driver against a stand-in for the SDK (force_dimension_stand_in.h): no device of Force Dimension was at hand.
+// The driver against a mock of the SDK (force_dimension_stand_in.h): no device of Force Dimension was available.
 
 #include "haptolith/device/drivers/force_dimension.h"
 
@@ -81,7 +81,7 @@ class ForceDimensionTest : public testing::Test {
     return "it worked";
   }
 
-  /// The calls since the last look at them.
+  /// The calls since the last query.
   static std::vector<std::string> calls() {
     const auto& all = ordered().calls;
     std::vector<std::string> some(all.begin(),
@@ -90,7 +90,7 @@ class ForceDimensionTest : public testing::Test {
     return some;
   }
 
-  /// A library in a folder of its own.
+  /// A library in a separate folder.
   fs::path library(const fs::path& path, const char* of = HAPTOLITH_STAND_IN) const {
     fs::create_directories((folder_ / path).parent_path());
     fs::create_symlink(of, folder_ / path);
@@ -655,7 +655,7 @@ TEST_F(ForceDimensionRead, ADeviceThatNeverTellsOfItsForcesIsLiveNevertheless) {
   }
 }
 
-// --- writing and letting go
+// --- writing and releasing
 // -------------------------------------------------------------------------------------------
 
 using ForceDimensionWrite = ForceDimensionTest;

@@ -52,7 +52,7 @@ TEST(SpeedOf, AStickThatRestsBesideTheMiddleMovesNothingWhenATriggerIsPulled) {
   EXPECT_TRUE(moves({.left_right = 0.1, .left_towards = 0.1, .left_trigger = 1}).isApprox(Vec3(0, 0, -kFast)));
 }
 
-/// What has been sent to a pad's motors.
+/// Commands sent to a pad's motors.
 struct Motors {
   std::atomic<int> strength{0};
   std::atomic<int> calls{0};

@@ -24,7 +24,7 @@ class HaplyService {
  public:
   static constexpr int kNever = 1 << 30;
 
-  /// Devices 049D and 0FFF, and the grip 61A5, as a service of 3.5 or one before tells of them.
+  /// Devices 049D and 0FFF, and the grip 61A5, as reported by a service of 3.5 or an earlier one.
   static std::string inventory(HaplyDialect dialect) {
     nlohmann::json message = nlohmann::json::parse(state());
     message["inverse3"].push_back({{"device_id", "0FFF"}, {"config", {{"handedness", "left"}}}});
@@ -46,9 +46,9 @@ class HaplyService {
     std::string inventory = HaplyService::inventory(HaplyDialect::kVector);
     bool shakes_hands = true;
     bool begins = true;         ///< with its inventory
-    int closes_after = kNever;  ///< so many commands
+    int closes_after = kNever;  ///< number of commands
     int silent_after = kNever;
-    int answers_each = 1;                                                  ///< so many messages to each command
+    int answers_each = 1;                                                  ///< messages per command
     std::function<std::string(int)> answer = [](int) { return state(); };  ///< to the n-th command, from 1
   };
 

@@ -58,7 +58,7 @@ std::string refusal(const DeviceParameters& parameters) {
   return {};
 }
 
-/// A port of this machine at which nobody listens.
+/// An unused port of this machine.
 std::string nobody() {
   boost::asio::io_context io;
   const boost::asio::ip::tcp::acceptor acceptor(io, {boost::asio::ip::make_address("127.0.0.1"), 0});
@@ -156,7 +156,7 @@ TEST(Inverse3, ASilentServiceMakesItStaleAndIsNotPressed) {
 TEST(Inverse3, MessagesThatNobodyAskedForDoNotPileUp) {
   HaplyService::Behaviour behaviour;
   behaviour.answers_each = 100;  // more than this thread reads in a millisecond, on any machine
-  // The place tells which command it answers.
+  // The position identifies the command.
   behaviour.answer = [](int command) { return HaplyService::state(fmt::format("{:.6f}", 1e-5 * command)); };
   const HaplyService service(behaviour);
   Inverse3 device(at(service.address()));

@@ -38,7 +38,7 @@ DeviceInput handAt(const Vec3& position_m, double angle_rad = 0, bool clutch = f
   DeviceInput input;
   input.pose = {position_m, Quat(Eigen::AngleAxisd(angle_rad, Vec3(0.6, 0, 0.8)))};
   input.twist = {Vec3(0.3, -0.2, 0.1), Vec3(1, 2, -3)};
-  input.buttons = clutch ? 1U << 3U : 1U << 2U;  // another button means nothing
+  input.buttons = clutch ? 1U << 3U : 1U << 2U;  // another button has no effect
   return input;
 }
 

@@ -1,4 +1,4 @@
-// A mouse whose events are pushed into SDL's queue, and a window that nobody sees.
+// A mouse whose events are pushed into SDL's queue, and a hidden window.
 #include "haptolith/device/drivers/mouse.h"
 
 #include <SDL.h>

@@ -42,7 +42,7 @@ DeviceParameters listeningAt(const std::string& address) {
   return parameters;
 }
 const DeviceParameters kAnyPort = listeningAt("127.0.0.1:0");
-/// So long that no noise of the machine makes a sender silent.
+/// Longer than any delay by the machine's load.
 constexpr NetworkTimeouts kPatient{.fresh_s = 10, .holder_s = 60};
 
 DevicePacket packet(std::uint32_t sequence, double x_m = 0) {
@@ -60,7 +60,7 @@ std::uint64_t seen(const NetworkCounts& counts) {
          std::accumulate(counts.malformed.begin(), counts.malformed.end(), std::uint64_t{0});
 }
 
-/// Reads until so many packets have been seen; what the last read() told.
+/// Reads until a number of packets have arrived; returns the last reading.
 DeviceInput readUntilSeen(NetworkDevice& device, std::uint64_t packets) {
   const auto end = std::chrono::steady_clock::now() + 10s;
   DeviceInput input = device.read();
@@ -134,7 +134,7 @@ TEST(NetworkDevice, SpeaksWithWhatHasOnlyItsHeader) {
 TEST(NetworkDevice, AnswersEachWriteWithTheForceAndWhatTheSenderNeedsForItsRoundTrip) {
   NetworkDevice device(kAnyPort, kPatient);
   const UdpClient client(device.port());
-  device.write({{Vec3(1, 2, 3), Vec3::Zero()}});  // nobody to answer
+  device.write({{Vec3(1, 2, 3), Vec3::Zero()}});  // no sender to answer
   client.send(packet(41));
   client.send(packet(42));
   (void)readUntilSeen(device, 2);
@@ -397,7 +397,7 @@ DeviceParameters withKey() {
   return parameters;
 }
 
-/// Reads until so many greetings have come.
+/// Reads until a number of greetings have arrived.
 void readUntilGreeted(NetworkDevice& device, std::uint64_t greetings) {
   for (int i = 0; i < 5000 && device.counts().greetings < greetings; ++i) {
     (void)device.read();
@@ -460,7 +460,7 @@ TEST(NetworkDeviceWithAKey, WhatSomebodyHasListenedToIsOfNoUseLater) {
   client.send(heard);
   (void)readUntilSeen(device, 2);
   EXPECT_EQ(device.counts().late, 1U);
-  std::this_thread::sleep_for(300ms);  // nobody holds the tool any more
+  std::this_thread::sleep_for(300ms);  // the tool is free
   (void)device.read();
   client.send(heard);  // from the very same address
   for (int i = 0; i < 5000 && device.counts().forged < 1; ++i) {
@@ -604,7 +604,7 @@ TEST(NetworkDevice, WhoHoldsTheToolKeepsItUntilItIsSilent) {
   EXPECT_FALSE(second.receive(20)) << "it has no business with it";
 
   std::this_thread::sleep_for(400ms);
-  second.send(packet(0, 0.03));  // the new holder counts anew
+  second.send(packet(0, 0.03));  // the new holder restarts its numbers
   input = readUntil(device, DeviceState::kLive);
   EXPECT_EQ(input.pose.position_m.x(), 0.03);
   device.write({});
@@ -624,7 +624,7 @@ TEST(NetworkDevice, ASenderThatStartsAnewIsTakenAfterItsSilence) {
 
 TEST(NetworkDevice, LettingGoSendsZeroAtOnceAndFromThenOn) {
   NetworkDevice device(kAnyPort, kPatient);
-  device.releaseForce();  // nobody there yet
+  device.releaseForce();  // no holder yet
   device.resumeForce();
   const UdpClient client(device.port());
   client.send(packet(1));

@@ -1,4 +1,4 @@
-// A SpaceMouse whose daemon is played: it listens at a socket of ours and speaks spacenavd's protocol.
+// A SpaceMouse with a mock of the daemon, which listens at a socket and speaks spacenavd's protocol.
 #include "haptolith/device/drivers/space_mouse.h"
 
 #include <gmock/gmock.h>

@@ -34,7 +34,7 @@ class UdpClient {
   }
   void send(const DevicePacket& packet) const { send(bytesOf(packet)); }
 
-  /// The next answer; none when there is none within `timeout_ms`.
+  /// The next answer; empty when none arrives within `timeout_ms`.
   [[nodiscard]] std::optional<AnswerPacket> receive(int timeout_ms = 0) const {
     const std::vector<std::byte> bytes = receiveBytes(timeout_ms);
     if (bytes.empty()) {

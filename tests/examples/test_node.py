@@ -89,7 +89,7 @@ def test_example_says_why_it_sees_nothing(folder, program):
 
 
 def test_readme(folder, program):
-    """Its example prints what it is told to, until it is ended."""
+    """Its example prints the requested data, until it is ended."""
     address, _ = program
     code = re.search(r"```js\n(.*?)```", (WEB / "protocol/README.md").read_text(), re.DOTALL)[1]
     (folder / "readme.mjs").write_text(code)

@@ -1,4 +1,4 @@
-"""Examples of other languages hold the tool of a running program by UDP, and feel what it says that the hand felt."""
+"""Examples of other languages hold the tool of a running program by UDP, and receive the force that it reports."""
 import contextlib
 import json
 import os
@@ -32,7 +32,7 @@ def free_port():
 
 
 def wait_for_listener(port, process):
-    """An empty packet to a port that nobody listens at comes back as an error."""
+    """An empty packet to an unused port returns an error."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as knock:
         knock.connect(("127.0.0.1", port))
         knock.settimeout(0.2)
@@ -69,7 +69,7 @@ def running(folder):
 
 
 def digs_by_udp(command, folder):
-    """What an example prints that is started with address, seconds and height behind `command`."""
+    """Output of an example that is started with address, seconds and height after `command`."""
     for seconds in SECONDS:
         with running(folder) as (address, summary):
             done = subprocess.run(command(address, seconds), cwd=folder, env={**os.environ, "HOME": str(folder)}, text=True,
@@ -119,7 +119,7 @@ def test_godot(tmp_path):
 
 
 def test_nobody(tmp_path):
-    """Who finds nobody says so, and what to do."""
+    """Without a listener the example reports so, with a remedy."""
     compiler = needed("gcc", "gcc")
     subprocess.run([compiler, f"-I{SOURCE / 'include'}", EXAMPLES / "c/network_device.c", "-o", tmp_path / "circle", "-lm"], check=True)
     done = subprocess.run([tmp_path / "circle", f"127.0.0.1:{free_port()}", "2"], text=True, capture_output=True, timeout=20, check=False)

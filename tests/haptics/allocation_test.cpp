@@ -23,7 +23,7 @@ TEST(Allocation, TheCounterCounts) {
   EXPECT_GT(allocations, before);
 }
 
-/// So many ticks of a manoeuvre; returns the allocations between the first tick and the last.
+/// Runs a number of ticks of a motion; returns the allocations between the first tick and the last.
 long allocationsIn(int ticks, const BedParameters& bed, Manoeuvre manoeuvre, HandCompliance compliance) {
   Scene scene(bed, {});
   HandParameters hand_parameters;
@@ -107,18 +107,17 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
   LoopParameters loop_parameters;
   loop_parameters.paced = false;
   HapticLoop loop(scene, hand, loop_parameters, false);
-  const LoopRequest requests[] = {
-      request::Speed{0.5},
-      request::Gravity{Vec3(0, 0, -3)},
-      request::Soil{SoilLaws(findPreset("P4").soil)},
-      request::ReplaceTool{ToolParameters{.shape = ToolShape::kSphere}},
-      request::ReplaceTool{meshTool()},
-      request::ReplaceTool{ToolParameters{.shape = ToolShape::kSphere}},  // lets go of the mesh
-      request::ReplaceTool{meshTool()},
-      request::ReplaceBed{&next},
-      request::Pause{},
-      request::Advance{3},
-      request::Resume{}};
+  const LoopRequest requests[] = {request::Speed{0.5},
+                                  request::Gravity{Vec3(0, 0, -3)},
+                                  request::Soil{SoilLaws(findPreset("P4").soil)},
+                                  request::ReplaceTool{ToolParameters{.shape = ToolShape::kSphere}},
+                                  request::ReplaceTool{meshTool()},
+                                  request::ReplaceTool{ToolParameters{.shape = ToolShape::kSphere}},  // frees the mesh
+                                  request::ReplaceTool{meshTool()},
+                                  request::ReplaceBed{&next},
+                                  request::Pause{},
+                                  request::Advance{3},
+                                  request::Resume{}};
   const long before = allocations;
   for (const LoopRequest& asked : requests) {
     ASSERT_TRUE(loop.ask(asked));

@@ -75,7 +75,7 @@ TEST(DeadlineMiss, EveryMissHasACause) {
   }
 }
 
-/// What happens to one tick.
+/// Disturbance of one tick.
 struct Fate {
   double woken_us = 5;  ///< so late
   double work_us = 300;
@@ -108,7 +108,7 @@ class PacedLoop {
       tick(fate);
     }
   }
-  /// Time stands still, and the loop comes round `turns` times without a tick; the last turn takes so long.
+  /// Pauses time while the loop cycles `turns` times without a tick; the last cycle has the given duration.
   void pause(int turns, double last_us) {
     now_us_ = std::max(now_us_, due_us_ + turns * kTick_us) + last_us;
     due_us_ = std::max(due_us_ + (turns + 1) * kTick_us, now_us_ - kTick_us);

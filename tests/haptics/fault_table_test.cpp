@@ -1,6 +1,6 @@
 // The table of faults: what can go wrong between the soil and a person's hand, and what the hand then feels. Each row
-// presses a tool into the soil with a device that a person holds, lets something go wrong, and looks at every force
-// that the device was told to show.
+// presses a tool into the soil with a device in a person's hand, injects a fault, and checks every force
+// that was sent to the device.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -123,7 +123,7 @@ struct Bench {
     loop = std::make_unique<HapticLoop>(scene, device, parameters, true);
   }
 
-  /// So many ticks, or until something ends it.
+  /// Runs a number of ticks, or until the run ends.
   LoopEnd ticks(int count) {
     LoopEnd end = LoopEnd::kRunning;
     for (int i = 0; i < count && end == LoopEnd::kRunning; ++i) {
@@ -159,7 +159,7 @@ struct Fault {
 
 class FaultTable : public testing::TestWithParam<Fault> {};
 
-/// What a soft start shows at most so many ticks after it began.
+/// Largest force of a soft start a number of ticks after its begin.
 double softly(double ticks) {
   const double share = std::clamp(ticks / 2000, 0.0, 1.0);
   return kMaxForce_n * share * share * (3 - 2 * share);
@@ -359,7 +359,7 @@ TEST(FaultTable, TheLoopHangsAndTheWatchdogLetsGoBeforeItIsOver) {
   tell("LoopHangs", text(SafetyTrip::kHeartbeat), std::max(0.0, after_ms), -1, -1);
 }
 
-/// Ticks from the last that was pressed with until the hand feels nothing for good, and whether it was let go softly.
+/// Ticks from the last contact until the force stays zero, and whether it was released softly.
 int ticksToNothing(const std::vector<Vec3>& forces_n) {
   std::size_t last = forces_n.size();
   while (last > 0 && forces_n[last - 1] == Vec3::Zero()) {
@@ -424,7 +424,7 @@ TEST(FaultTable, AnErrorOnTheOtherSideLetsGoOfTheHandBeforeAnybodyHearsOfIt) {
   tell("ErrorOnTheOtherSide", "soft stop", 200, -1, -1);
 }
 
-/// Letting go is the time in a pipe: it outlives the process.
+/// The release is recorded as the time in a pipe: it outlives the process.
 class PipedDevice final : public HapticDevice {
  public:
   explicit PipedDevice(int pipe) : pipe_(pipe) {}
@@ -486,7 +486,7 @@ TEST(FaultTable, SoftStartTakesTwoSecondsFromTheFirstTick) {
   Bench bench;
   ASSERT_EQ(bench.ticks(3000), LoopEnd::kRunning);
   for (std::size_t tick = 0; tick < bench.records.size(); ++tick) {
-    if (tick < 1998 || tick > 2001) {  // 2000 steps of 1 / 2000 are 1 but for rounding
+    if (tick < 1998 || tick > 2001) {  // 2000 steps of 1 / 2000 are 1 except for rounding
       ASSERT_EQ((bench.records[tick].flags & kTickSoftStart) != 0, tick < 2000) << tick;
     }
     ASSERT_LE(bench.device.forces_n[tick].norm(), softly(static_cast<double>(tick) + 1) + 1e-12);
@@ -535,7 +535,7 @@ TEST(FaultTable, ResumingIsNoJumpForADeviceThatHasMovedMeanwhile) {
   EXPECT_TRUE(bench.device.feelsNothing());
   const std::size_t recorded = bench.records.size();
   EXPECT_EQ(recorded, static_cast<std::size_t>(kPressed)) << "time stands still";
-  bench.device.aside_m = 0.03;  // beside the hole, in the middle of the soil
+  bench.device.aside_m = 0.03;  // next to the hole, in the interior of the soil
   ASSERT_TRUE(bench.loop->ask(request::Resume{}));
   double fastest_m_s = 0;
   for (int tick = 1; tick <= 2500; ++tick) {

@@ -347,7 +347,7 @@ TEST(HapticLoop, SnapshotsOfALargeBedAreCopiedBitByBit) {
   const auto same = [](const Float4& a, const Float4& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
   const auto part = static_cast<std::ptrdiff_t>(n / 16 - 2 * kGroup);  // it is whole groups that are copied
   std::vector<Float4> first_of_cycle;
-  double fastest = 0;  // of the cycle
+  double fastest = 0;  // during the cycle
   int seen = 0;
   for (int i = 0; i < 160; ++i) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);

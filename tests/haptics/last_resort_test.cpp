@@ -18,12 +18,12 @@ namespace haptolith {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // the sanitizers have handlers of their own for these signals
+constexpr bool kSanitized = true;  // the sanitizers have their own handlers for these signals
 #else
 constexpr bool kSanitized = false;
 #endif
 
-/// Letting go is a letter in a pipe: all that a handler of signals may do, and it outlives the process.
+/// The release is recorded as a character in a pipe: all that a signal handler may do, and it outlives the process.
 class Piped final : public HapticDevice {
  public:
   Piped(int pipe, char letter) : pipe_(pipe), letter_(letter) {}
@@ -45,7 +45,7 @@ class Piped final : public HapticDevice {
   }
   void resumeForce() noexcept override {}
 
-  mutable std::atomic<int> looks_left_{0};  ///< so often a thread is still inside the library
+  mutable std::atomic<int> looks_left_{0};  ///< number of queries during which a thread is still inside the library
   bool stuck_ = false;                      ///< the thread that asks is
 
  private:
@@ -56,11 +56,11 @@ class Piped final : public HapticDevice {
 };
 
 struct Death {
-  std::string let_go;  ///< the letters of the devices that were let go, in order
-  int signal = 0;      ///< that ended the process; 0 when it ended by itself
+  std::string let_go;  ///< the characters of the released devices, in order
+  int signal = 0;      ///< signal that ended the process; 0 when it exited
 };
 
-/// Does `last_words` in a process of its own, given the pipe's end.
+/// Runs `last_words` in a separate process, given the pipe's end.
 Death died(const std::function<void(int pipe)>& last_words) {
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) {
@@ -69,7 +69,7 @@ Death died(const std::function<void(int pipe)>& last_words) {
   const pid_t child = fork();
   if (child == 0) {
     close(ends[0]);
-    std::freopen("/dev/null", "w", stderr);  // what std::terminate() says is not of interest
+    std::freopen("/dev/null", "w", stderr);  // the output of std::terminate() is irrelevant
     last_words(ends[1]);
     _exit(0);
   }
@@ -117,7 +117,7 @@ TEST_P(HaltingSignal, LetsGoOfTheHandHaltsTheProgramAndTellsTheLoopWhenItGoesOn)
   ASSERT_EQ(pipe(ends.data()), 0);
   const pid_t child = fork();
   if (child == 0) {
-    setpgid(0, 0);  // as a shell does; what nobody could continue is not halted
+    setpgid(0, 0);  // as a shell does; a process that could not be continued is not halted
     Piped hand(ends[1], 'a');
     const LastResort last_resort(hand);
     for (int round = 0; round < 2; ++round) {

@@ -77,7 +77,7 @@ struct Stirred {
       ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
     }
   }
-  /// The largest speed of any particle of `shown` during so many ticks, in m/s.
+  /// The largest speed of any particle of `shown` during a number of ticks, in m/s.
   double fastestOf(const Scene& shown, int count) {
     double fastest = 0;
     for (int i = 0; i < count; ++i) {
@@ -129,7 +129,7 @@ TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
   double largest_n = 0;
   for (int part = 0; part < 25; ++part) {
     ASSERT_TRUE(paused.loop.ask(request::Advance{32}));
-    for (int i = 0; i < 32 + 40; ++i) {  // time stands still for the last 40
+    for (int i = 0; i < 32 + 40; ++i) {  // time is paused for the last 40
       ASSERT_EQ(paused.loop.tick(), LoopEnd::kRunning);
     }
     for (int i = 0; i < 32; ++i) {
@@ -260,7 +260,7 @@ TEST(LoopRequest, ASceneOfAnotherSizeIsShownWhole) {
   Scene large(more, {});
   ShownScene next(large);
   ASSERT_TRUE(stirred.loop.ask(request::Pause{}));
-  ASSERT_TRUE(stirred.loop.ask(request::ReplaceBed{&next}));  // nobody feels anything: at once
+  ASSERT_TRUE(stirred.loop.ask(request::ReplaceBed{&next}));  // no force: immediately
   stirred.ticks(1);
   EXPECT_EQ(&stirred.loop.shownScene(), &next);
   ASSERT_TRUE(stirred.loop.ask(request::Resume{}));

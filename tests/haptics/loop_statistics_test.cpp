@@ -17,7 +17,7 @@ TEST(LoopStatistics, SuccessRateIsThatOfTheLastHundredTicks) {
   for (int i = 0; i < 10; ++i) {
     statistics.add(100, i % 2 == 0 ? Miss::kNone : Miss::kWokenLate, {});
   }
-  EXPECT_DOUBLE_EQ(statistics.successRate(), 0.5);  // of ten, while there are fewer
+  EXPECT_DOUBLE_EQ(statistics.successRate(), 0.5);  // over the existing ones while there are fewer than ten
   for (int i = 0; i < 95; ++i) {
     statistics.add(100, Miss::kNone, {});
   }

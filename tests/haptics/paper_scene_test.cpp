@@ -29,7 +29,7 @@ Outcome minuteOf(Manoeuvre manoeuvre, HandCompliance compliance) {
   hand_parameters.compliance = compliance;
   hand_parameters.surface_m = scene.bed().surfaceHeight();
   hand_parameters.period_s = 5;
-  hand_parameters.active_s = 55;  // eleven rounds, then 5 s in which everything has to come to rest
+  hand_parameters.active_s = 55;  // eleven rounds, then 5 s in which everything has to settle
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
   loop_parameters.paced = false;

@@ -105,7 +105,7 @@ TEST(Passivity, AForceThatIsShownLateMustHaveBeenPaidFor) {
   EXPECT_EQ(passivity.affordable(force(8)), 1);
 }
 
-/// What gives no more than it has been given. Springs are swung at 0.2 m/s at most: of a faster swing the quick account
+/// Passive systems. Springs are swung at 0.2 m/s at most: of a faster swing the quick account
 /// forgets a part before it comes back, and it forgives no more than soil stores.
 struct Passive {
   const char* name;
@@ -268,14 +268,14 @@ TEST(Passivity, NobodyMovesNobodyIsDamped) {
   EXPECT_EQ(passivity.injected(), 0);
 }
 
-/// A handle that is told where it is in steps, pressed at rest against something stiff that answers each step a tick
+/// A handle with quantised positions, pressed at rest against something stiff that responds to each step a tick
 /// later.
 Passivity atRestFor(double seconds, double step_m, double noise_m, double resolution_m) {
   Passivity passivity({.stiffness_n_m = kStiffness_n_m, .resolution_m = resolution_m}, kTick_s);
   std::mt19937_64 random(3);
   double felt_n = 3;
   for (int tick = 0; tick < seconds / kTick_s; ++tick) {
-    // Where a handle between two steps is told to be: on either side of them.
+    // Reading of a handle between two steps: on either side of them.
     const double told_m = step_m * (uniformSigned(random) > 0 ? 1 : 0) + noise_m * uniformSigned(random);
     passivity.observe(at(told_m), force(felt_n));
     felt_n = 3 - 1400 * told_m;

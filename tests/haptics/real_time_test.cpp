@@ -29,7 +29,7 @@ std::vector<int> affinity() {
   return cpus;
 }
 
-/// What requestRealTime() does to a thread, seen from that thread.
+/// Effect of requestRealTime() on a thread, queried by that thread.
 struct Prepared {
   RealTime granted;
   std::vector<int> cpus;

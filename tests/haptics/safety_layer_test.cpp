@@ -50,7 +50,7 @@ SafetyLayer forSimulation(const SafetyParameters& parameters = {}, const DeviceL
   return {parameters, limits, true, kStorage_n_m, kTick_s};
 }
 
-/// So many ticks with a hand at rest; what it feels in the last one.
+/// Runs a number of ticks with a hand at rest; returns the last output.
 DeviceOutput after(SafetyLayer& safety, int ticks, const DeviceOutput& rendered, const DeviceInput& input = {}) {
   DeviceOutput felt;
   for (int tick = 0; tick < ticks; ++tick) {
@@ -365,7 +365,7 @@ TEST(SafetyLayer, EnergyInExcessIsDampedOnlyWhenAskedFor) {
     SafetyLayer safety = forSimulation(parameters);
     DeviceInput hand;
     (void)after(safety, 10, force(2), hand);
-    hand.pose.position_m.z() += 1e-4;  // it gives way: nobody has pressed
+    hand.pose.position_m.z() += 1e-4;  // it yields: it was not pressed
     const double felt_n = after(safety, 1, force(2), hand).wrench.force_n.z();
     EXPECT_EQ((safety.flags() & kTickPassivityDamped) != 0, damps);
     EXPECT_EQ(felt_n < 2, damps);

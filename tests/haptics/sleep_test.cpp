@@ -1,4 +1,4 @@
-// Soil at rest sleeps, and nobody can tell by what they feel.
+// Soil at rest sleeps, without an effect on forces.
 
 #include <gtest/gtest.h>
 
@@ -303,7 +303,7 @@ TEST_P(Waking, WhoIsDrivenWakesOthersUntilItStands) {
 }
 
 TEST_P(Waking, WhatFallsOnThemWakesThemInTime) {
-  // The highest is taken 60 mm up and let go: neither it nor those it falls on may sink into each other.
+  // The highest is lifted by 60 mm and released: neither it nor those it falls on may sink into each other.
   const std::size_t top = highest(bed());
   const double dt = bed().parameters().tick_s / stirred_.scene.substeps();
   const int lifting = static_cast<int>(0.2 / dt);
@@ -339,7 +339,7 @@ TEST_P(Waking, WhoIsHeldInTheAirAndLetGoFalls) {
   const int lifting = static_cast<int>(0.2 / (bed().parameters().tick_s / stirred_.scene.substeps()));
   bed().drive(top, {0, 0, 0.3});
   stirred_.restFor(lifting);
-  for (int turn = 0; turn < 64; ++turn) {  // whenever in the sleepers' round it is let go
+  for (int turn = 0; turn < 64; ++turn) {  // at every phase of the checks of sleeping groups
     bed().drive(top, Vec3::Zero());
     stirred_.restFor(3 * lifting + 1);
     ASSERT_EQ(bed().awake(), 0U) << "it may sleep while it is held";

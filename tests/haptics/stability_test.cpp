@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Grips, Stability,
                          testing::Values(NamedHand{kStiffHand}, NamedHand{kLooseHand}, NamedHand{kNoHand},
                                          NamedHand{kOpeningHand}));
 
-/// What stands behind a socket: nobody has measured its delay or its noise.
+/// A device behind a socket: its delay and noise are unknown.
 class UnknownDevice : public Stability {
  protected:
   static StabilityCase unknown(int delay_ticks, double step_m, double noise_m) {

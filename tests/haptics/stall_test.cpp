@@ -1,5 +1,5 @@
 // A process that is stopped as a whole, with its watchdog: as by SIGSTOP, by a virtual machine that is not run, or by a
-// control group that has used up its time. When it goes on, any of its threads may be the first.
+// control group that has used up its time. When it continues, any of its threads may be the first.
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -29,7 +29,7 @@ struct Shown {
   double force_n;
 };
 
-/// What the hand has felt, in memory that two processes share.
+/// Forces on the hand, in memory that two processes share.
 struct Felt {
   static constexpr std::size_t kMost = 60'000;  // a minute
   std::atomic<std::size_t> count{0};
@@ -95,7 +95,7 @@ void pressForAMinute(Felt& felt) {
 
 TEST(Stall, AProcessThatStoodStillShowsNothingFirstWhicheverThreadWakesFirst) {
   constexpr int kStalls = 10;
-  // As long as this no tick may be between two answers and its force still be shown: 4 ms before it and 4 ms in it.
+  // Longest time of a tick between two answers whose force is still rendered: 4 ms before it and 4 ms in it.
   constexpr std::int64_t kSurelyStalled_ns = 9'000'000;
   void* const memory = mmap(nullptr, sizeof(Felt), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);

@@ -51,7 +51,7 @@ class PressingArm : public HapticDevice {
   void releaseForce() noexcept override {}
   void resumeForce() noexcept override {}
 
-  /// How far the hand still moved up and down in the end, in m.
+  /// Vertical amplitude of the hand at the end, in m.
   [[nodiscard]] double vibration() const { return highest_m_ - lowest_m_; }
   [[nodiscard]] double force() const { return felt_.force_n.norm(); }
 
@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(PresetsAndWorlds, BuriedShovel,
                                   (test.param.friction == FrictionModel::kContact ? "Contact" : "");
                          });
 
-TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // what the test above can tell apart
+TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // the case that the test above distinguishes
   Scene scene(deepBed({"P3", 1.625}), ToolParameters{});
   PressingArm arm(Vec3(0, 0, 0.03));
   WrenchFilter filter(30, kTick_s);

@@ -81,7 +81,7 @@ TEST(Watchdog, LetsGoOnceForASilenceAndAgainForTheNext) {
   }
 }
 
-TEST(Watchdog, OnceItHasBarkedTheHandHasBeenLetGo) {  // else it could be taken up before it is let go
+TEST(Watchdog, OnceItHasBarkedTheHandHasBeenLetGo) {  // otherwise it could be resumed before it is released
   for (int i = 0; i < 20; ++i) {
     Hand hand;
     Watchdog watchdog(hand, 0.002);

@@ -30,8 +30,8 @@ double errorOverSpread(const Eigen::MatrixXd& rows, const Eigen::VectorXd& truth
 }
 
 // docs/how-to/identify-a-soil.md: even where a soil's strength is known, its forces, and those while the pressed plate
-// is lifted, do not tell which share of its cohesion sticks to the tool; the same regression tells friction on the
-// tool.
+// is lifted, do not determine the adhesion to the tool as a fraction of its cohesion; the same regression estimates
+// friction on the tool.
 TEST(Adhesion, IsNotToldByForcesOfTheProbe) {
   constexpr double kNoise_n = 0.05;
   constexpr std::size_t kLifts[]{6, 7, 20, 21};

@@ -51,7 +51,8 @@ TEST(Digging, EndsWhereNobodyWantsIt) {
       Failure);
 }
 
-// What is shipped is what this program does. Another instruction set's last bits grow to forces of another specimen.
+// The shipped training matches this program. Other bits of another instruction set grow to forces of another
+// realisation.
 TEST(ProbeTraining, IsOfThisProgram) {
   const Training& training = probeTraining();
   ASSERT_GE(training.runs.size(), 90U);

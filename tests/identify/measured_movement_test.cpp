@@ -98,7 +98,7 @@ const std::vector<MovementPart> kParts{
     {"along", 0, 4, ToolMovement({{0, {}}, {1, {{0.1, 0, 0}, Quat::Identity()}}})},
     {"down", 4, 4, ToolMovement({{0, {{0.1, 0, 0}, Quat::Identity()}}, {1, {{0.1, 0, -0.05}, Quat::Identity()}}})}};
 
-/// What of these was measured between two times, as if it had been so much later.
+/// The samples between two times, shifted in time.
 std::vector<MeasuredSample> stretch(std::vector<MeasuredSample> samples, double from_s, double to_s, double later_s) {
   std::erase_if(samples, [&](const MeasuredSample& s) { return s.time_s < from_s || s.time_s > to_s; });
   for (MeasuredSample& sample : samples) {

@@ -25,7 +25,7 @@ double delta(const SoilState& state) {
   return std::atan(state.tool_friction);
 }
 
-/// What a 40 mm blade feels in a soil of the equation: it is pushed back, and up by soil that slides along it.
+/// Force on a 40 mm blade in a soil of the equation: back, and up by soil that slides along it.
 Vec3 forceOf(const ToolCut& cut, const SoilState& state) {
   const double pushed_rad = cut.rake_rad + delta(state);
   return 0.04 * learner().forceAlong(cut, state) * Vec3(-std::sin(pushed_rad), 0, -std::cos(pushed_rad));
@@ -58,7 +58,7 @@ TEST(ModelLearner, FindsTheSoilFromCutsOfDifferentDepthsAndRakes) {
   EXPECT_TRUE(holds(soil.tool_friction_angle_deg, delta(kTruth) / kDegree));
 }
 
-// At one depth, friction and cohesion cannot be told apart; the force can.
+// At one depth, friction and cohesion are indistinguishable; the force is not.
 TEST(ModelLearner, GivesTheForceThatWasMetAtOneDepth) {
   for (const SoilState& truth : {kTruth, SoilState{48, 1200, 0.2}, SoilState{25, 10, 0.36}}) {
     ModelLearner learns = learner();

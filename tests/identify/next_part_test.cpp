@@ -15,7 +15,7 @@ using testing::ElementsAre;
 
 constexpr std::size_t kBlock = 4, kAir = 4;  ///< windows of one place, and between two
 
-/// Forces of made-up soil with a way through the air behind each place.
+/// Forces of a synthetic soil with a path through the air after each place.
 WindowForces withAir(const WindowForces& forces) {
   WindowForces all;
   for (std::size_t i = 0; i < forces.size(); i += kBlock) {

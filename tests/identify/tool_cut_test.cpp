@@ -38,7 +38,7 @@ TEST(ToolCut, ABladeThatLeansBackIsFlatterWhicheverWayItGoes) {
     pose.orientation = turned * pose.orientation;
     const auto cut = cutOf(shovel(), pose, turned * Vec3(0.03, 0, 0));
     ASSERT_TRUE(cut);
-    // Its thin lower edge leads, too: 5 mm against 50.
+    // Its thin lower edge also leads: 5 mm against 50.
     EXPECT_NEAR(cut->rake_rad, 60 * kDegree, 4 * kDegree);
     EXPECT_LT((cut->ahead - turned * Vec3::UnitX()).norm(), 1e-12);
   }

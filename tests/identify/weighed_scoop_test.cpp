@@ -122,15 +122,15 @@ TEST(WeighedScoop, AsFullAsItWasEmptyHasNoMass) {
 
 // --- a scoop in simulated soil --------------------------------------------------------------------------------------
 
-/// What a scoop took out of a bed.
+/// Soil that a scoop took out of a bed.
 struct Scooped {
   std::vector<MeasuredSample> samples;
   double mass_kg = 0;             ///< in the scoop
-  double bulk_density_kg_m3 = 0;  ///< of the bed before
+  double bulk_density_kg_m3 = 0;  ///< density of the bed before
 };
 
 double massAbove(const Bed& bed, double height_m) {
-  const auto grains = std::span(bed.state().position).first(bed.particles());  // of one mass, whatever their size
+  const auto grains = std::span(bed.state().position).first(bed.particles());  // of equal mass, whatever their size
   return bed.mass() *
          static_cast<double>(std::ranges::count_if(grains, [&](const Float4& grain) { return grain.z > height_m; }));
 }
@@ -164,7 +164,7 @@ Scooped scooped(double depth_m) {
                                {9, {{0.03, 0, high_m}, tilted(-0.3)}}});
   Scooped result;
   const double lifted_m = surface_m + 0.03;
-  // Of the layer between the walls' and the surface's loose ends.
+  // The layer without the loose zones at the walls and the surface.
   const double between_m = 0.6 * surface_m;
   result.bulk_density_kg_m3 = (massAbove(scene.bed(), 0.2 * surface_m) - massAbove(scene.bed(), 0.8 * surface_m)) /
                               (parameters.width_m * parameters.length_m * between_m);

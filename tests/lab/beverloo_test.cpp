@@ -76,7 +76,7 @@ TEST(DischargeFit, OfScatteredRatesIsNearAndSaysHowNear) {
 }
 
 TEST(DischargeFit, WithTheWrongGapGivesTheWrongExponent) {
-  // Why k has to be told: a law without a gap reads as a steeper power.
+  // Reason for a given k: a law without a gap reads as a steeper power.
   EXPECT_GT(fitDischarge(discharges(kBeverlooGap), kDiameter, 0).exponent, 2.7);
 }
 

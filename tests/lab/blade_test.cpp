@@ -97,7 +97,7 @@ TEST(Blade, IsComparedWithWedgesThatKnowItsSidesWhereItHasSides) {
 }
 
 TEST(Blade, HasBeforeItTheWeightOfWhatItWentThrough) {
-  // Nothing gets away to the sides, so that in the mean over 0.5 to 1.5 depths lies there what a depth of travel takes.
+  // Nothing escapes to the sides, so the pile's mean over 0.5 to 1.5 depths is the soil cut in one depth of travel.
   for (const double rake_deg : {60.0, 90.0}) {
     BladeOptions options = kPlane;
     options.depth_from = DepthFrom::kSurface;
@@ -142,7 +142,7 @@ TEST(Blade, TellsWhatPressesOnItsFrontFromWhatItsEdgeMeets) {
   EXPECT_GT(upright.front_draft_n, 0.75 * upright.draft_n);
   EXPECT_LT(upright.front_draft_n, 1.02 * upright.draft_n);
   EXPECT_LT(leaning.front_draft_n, 0.75 * leaning.draft_n) << "its edge presses soil down and forward";
-  // What slides up the front leans from its normal by the friction between them at most: Coulomb.
+  // The force of soil sliding up the front deviates from its normal by at most the friction angle: Coulomb.
   const auto angle_to_path = [](const BladeResult& b) { return std::atan2(b.front_vertical_n, b.front_draft_n); };
   const double friction = std::atan(0.36);
   EXPECT_NEAR(angle_to_path(upright), -friction, 5 * kDegree);
@@ -159,13 +159,13 @@ TEST(Blade, LeaningBackIsEasierToDrawAndLiftedLess) {
 }
 
 TEST(Blade, NeedsADraftInProportionToGravityWhenContactsAreAsMuchSofter) {
-  // The same soil in other units of time: only how the bed is brought to rest differs. With contacts as stiff on both
+  // The same soil in other units of time: only the settling of the bed differs. With contacts as stiff on both
   // bodies the ratio is less, for soil that is pressed together less dilates more.
   constexpr double kWeaker = 9.807 / 1.625;
   LabConditions conditions = coarseSand(kRadius_m);
   const double earth = bladeTest(conditions, kPlane).draft_n;
   BladeOptions slower = kPlane;
-  slower.speed_m_s /= std::sqrt(kWeaker);  // the same v^2/(g d)
+  slower.speed_m_s /= std::sqrt(kWeaker);  // equal v^2/(g d)
   conditions.gravity_m_s2 /= kWeaker;
   conditions.soil.stiffness_n_m /= kWeaker;
   conditions.soil.gamma_nm /= kWeaker;
@@ -215,7 +215,7 @@ TEST(Blade, IsDrawnBesideTheEquation) {
   blade.expected.undisturbed.earthmoving.draft_n = 1.9;
   blade.expected.undisturbed.wedge = WedgeForce{.draft_n = 2.5};
   const auto file = std::filesystem::path(testing::TempDir()) / "blade.svg";
-  std::filesystem::remove(file);  // of an earlier run
+  std::filesystem::remove(file);  // left by an earlier run
   drawBlade(file, blade, "a soil");
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};

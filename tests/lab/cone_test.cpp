@@ -68,7 +68,7 @@ TEST(ConeTest, IsDrawnWithItsIndex) {
   cone.cone_index_pa = 4000;
   cone.gradient_pa_m = 6e4;
   const auto file = std::filesystem::path(testing::TempDir()) / "cone.svg";
-  std::filesystem::remove(file);  // of an earlier run
+  std::filesystem::remove(file);  // left by an earlier run
   drawCone(file, cone, "a soil");
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};

@@ -85,7 +85,7 @@ TEST(ContactNetwork, ACloseCrystalSwingsAtEightAndWithTangentsOfHalfAtTwelve) {
   }
 }
 
-/// The same by assembling the whole matrix, in Eigen's order of things.
+/// As above by assembling the complete matrix, in Eigen's order.
 Eigen::MatrixXd dense(const ContactNetwork& network, double dt_s) {
   const auto n = static_cast<Eigen::Index>(3 * network.particles);
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
@@ -109,7 +109,7 @@ Eigen::MatrixXd dense(const ContactNetwork& network, double dt_s) {
   return matrix / network.mass_kg;
 }
 
-/// Soil that lies in a box of the paper's size over the floor, pressed by a strong gravity.
+/// Soil in a box of the paper's size on the floor, compressed by a strong gravity.
 Bed lying(const SoilParameters& soil, int particles) {
   BedParameters bed;
   bed.soil = soil;
@@ -166,7 +166,7 @@ TEST(ContactNetwork, TheStepIsStableUpToItsShareOfOneAndNotBeyond) {
   EXPECT_GT(growth(network, 1.001 * shortest), 1.0005);
 }
 
-/// Soil with the weight of some 20 kPa on its lowest layer.
+/// Soil with about 20 kPa on its lowest layer.
 ContactNetwork pressed(const SoilParameters& soil) {
   BedParameters parameters;
   parameters.soil = soil;
@@ -197,7 +197,7 @@ TEST(ContactNetwork, TheStepOfTheLawIsStableInAPressedBedAndNotMuchShorterThanIt
 }
 
 TEST(ContactNetwork, TheStepOfTheLawIsStableWhereGrainsOfSeveralSizesAreMixedAndPressed) {
-  // Under the weight of some 20 kPa, as above. A fine grain between coarse ones has springs a third stiffer than among
+  // Under about 20 kPa, as above. A fine grain between coarse ones has springs a third stiffer than among
   // its like, but fewer fit around it and none of them gives way as fast.
   for (const int classes : {2, 3}) {
     LabConditions conditions;

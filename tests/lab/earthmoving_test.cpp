@@ -186,7 +186,7 @@ TEST(Earthmoving, OfASmoothUprightWallIsRankinesPassivePressure) {
 }
 
 TEST(Earthmoving, OfSoilAlmostWithoutWeightFailsHalfwayToTheSteepestPlane) {
-  // N_c = cos(phi) / (sin(beta) sin(alpha + delta + phi + beta)), which is least in the middle.
+  // N_c = cos(phi) / (sin(beta) sin(alpha + delta + phi + beta)), which is least in the interior.
   BladeCase blade = kSandAndBlade;
   blade.gravity_m_s2 = 1e-9;
   blade.cohesion_pa = 1000;

@@ -45,7 +45,7 @@ TEST(Grain, FinerGrainsAreSmoother) {
   for (const GrainResult& result : results) {
     EXPECT_LT(result.variation, 1.02 * result.unfiltered_variation);  // at this speed most of it passes
     EXPECT_GT(result.draft_sd_n, 0);
-    // What is in the spectrum is what the force varies by: a Hann window takes nothing from noise.
+    // The spectrum contains the variance of the force: a Hann window removes none of the noise.
     double power = 0;
     double before_hz = 0;
     for (const GrainSpectrumPoint& point : result.spectrum) {

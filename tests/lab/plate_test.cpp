@@ -69,7 +69,7 @@ TEST(Plate, IsCarriedByItsFitAndByASoilOfTheRightDensity) {
 }
 
 TEST(Plate, NeedsForceInProportionToGravityWhenContactsAreAsMuchSofter) {
-  // The same soil in other units of time: only how the bed is brought to rest differs. With stiff contacts on both
+  // The same soil in other units of time: only the settling of the bed differs. With stiff contacts on both
   // bodies the ratio is less, for soil that is pressed together less dilates more.
   constexpr double kWeaker = 4;
   const double strong = force(plateTest(coarseSand(7e-3), kSmall), 0.015);
@@ -157,7 +157,7 @@ TEST(Plate, IsDrawnBesideWhatWasMeasured) {
   plate.area_m2 = 0.0028;
   plate.fit = {.modulus = 1e6, .exponent = 1.2};
   const auto file = std::filesystem::path(testing::TempDir()) / "plate.svg";
-  std::filesystem::remove(file);  // of an earlier run
+  std::filesystem::remove(file);  // left by an earlier run
   drawPlate(file, plate, "a soil", {{"run 1", {{0, 0}, {0.01, 11}}}});
   std::ifstream stream(file);
   const std::string svg{std::istreambuf_iterator<char>(stream), {}};

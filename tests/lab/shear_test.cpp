@@ -64,7 +64,7 @@ TEST(Shear, GrainsOfTwoSizesMixedAreAboutAsStrongAndDenseAsOne) {
   const LabConditions conditions{.soil = testSoil(0.35, 0.2)};
   const ShearResult of_one = shearTest(conditions, one);
   const ShearResult of_two = shearTest(conditions, mixed);
-  // Of so small cells angle and cohesion scatter by ten degrees and half; the stress itself does not.
+  // In such small cells angle and cohesion vary by ten degrees and by half; the stress does not.
   const auto residual_pa = [](const ShearResult& result) {
     double sum = 0;
     for (const ShearPointResult& point : result.points) {
@@ -83,7 +83,7 @@ TEST(Shear, GrainsOfTwoSizesMixedAreAboutAsStrongAndDenseAsOne) {
 }
 
 TEST(Shear, PaperFrictionTransmitsAlmostNothing) {
-  // (paper 14) acts against space: particles exert no tangential force on each other, so the plate hardly drags them.
+  // (paper 14) acts against space: particles exert no tangential force on each other, so the plate barely drags them.
   LabConditions conditions{.soil = testSoil(0.5, 0)};
   conditions.soil.friction = FrictionModel::kPaper;
   conditions.soil.attraction_ratio = 1;

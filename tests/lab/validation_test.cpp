@@ -139,7 +139,7 @@ TEST(Validation, GroupsKeepTheirOrderAndHaveFiguresOfTheirOwn) {
               testing::ElementsAre("validation-flow-and-heaps.svg", "validation-sand-1.svg", "validation-sand-1-2.svg",
                                    "validation----.svg"));
   const auto file = std::filesystem::path(testing::TempDir()) / "claims.svg";
-  std::filesystem::remove(file);  // of an earlier run
+  std::filesystem::remove(file);  // left by an earlier run
   const std::vector<JudgedClaim> claims{{within(0.1), judge(within(0.1), specimens({10}))}, {other_group, {}}};
   EXPECT_FALSE(drawValidation(file, claims, "Flow and heaps")) << "nothing is measured of it";
   EXPECT_FALSE(std::filesystem::exists(file));

@@ -54,7 +54,7 @@ double pushOn(const Body& body, const BladeCase& blade, double beta) {
 }
 
 /// Whether a slice's failure surface is the triangle between its corners, or as the paper has it, as long as straight
-/// ahead. Of an upright blade they are the same.
+/// ahead. For an upright blade they are equal.
 enum class Surface { kOfCorners, kAsInThePaper };
 
 struct Balance {
@@ -73,7 +73,7 @@ Balance balanceAt(const BladeCase& blade, double beta, Surface surface, int slic
   double ahead = pushOn(centre, blade, beta);
   double up = ahead;
 
-  // The origin is where the blade's side meets the surface; a crescent ends beside the lower corner.
+  // The origin is where the blade's side meets the surface; a crescent ends next to the lower corner.
   const Eigen::Vector3d corner(leaning, 0, -d);
   const double eta = std::atan2(std::sqrt(r * r - leaning * leaning), leaning);
   BladeCase beside = blade;
@@ -331,7 +331,7 @@ TEST(UprightWedge, IsBesideMeasuredDraftsByAsMuchAsItsDocumentationSays) {
   EXPECT_NEAR(ratios.most, 1.23, 0.01);
 }
 
-/// Likewise, of the wedge between upright sides: their pressure, which grows with depth, is added up over thin layers.
+/// As above for the wedge between upright sides: their pressure, which grows with depth, is added up over thin layers.
 double uprightDraft(const BladeCase& blade, double beta) {
   const double d = blade.depth_m;
   const double r = d / std::tan(blade.rake_rad) + d / std::tan(beta);
@@ -344,7 +344,7 @@ double uprightDraft(const BladeCase& blade, double beta) {
         (1 - std::sin(phi)) * (blade.density_kg_m3 * blade.gravity_m_s2 * d * below + blade.surcharge_pa);
     held_n += 2 * (blade.cohesion_pa + sideways_pa * std::tan(phi)) * r * (1 - below) * d / kLayers;
   }
-  // What holds the sides acts where cohesion on the failure plane does: as if that were larger.
+  // Resistance of the sides acts like cohesion on the failure plane: as if that were larger.
   const double w = blade.width_m;
   const double failure_surface = w * d / std::sin(beta);
   BladeCase harder = blade;

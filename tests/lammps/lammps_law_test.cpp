@@ -59,7 +59,7 @@ TEST(GranularLaw, HasTheWallAsAMirror) {
                    law.grains.across_damping * law.grains.damping_n_s_m);
 }
 
-/// Soil that cannot be told to LAMMPS exactly: that of lunar-0-15cm, with cohesion or without.
+/// Soil without an exact law in LAMMPS: that of lunar-0-15cm, with cohesion or without.
 BedParameters lunar(double cohesion_n) {
   SoilParameters soil = springs();
   soil.gamma_nm = 6e-5;
@@ -87,14 +87,14 @@ TEST(GranularLaw, IsWithItsTableTheLawAlongTheNormal) {
     for (double a_m = 0.011; a_m < bed.law().cutoff_m; a_m += 1e-4) {
       EXPECT_NEAR(hertz(law, bed.law(), a_m) + restForce(law, bed.law(), 0, a_m), contactForce(bed.law(), a_m), 1e-9);
     }
-    // Larger grains do the same further apart, but for the curve of their surfaces.
+    // Larger particles have the same law at a larger distance, except for their curvature.
     EXPECT_NEAR(restForce(law, bed.law(), 1e-3, 0.0135 + 1e-3), restForce(law, bed.law(), 0, 0.0135), 0.02);
     EXPECT_EQ(restForce(law, bed.law(), 0, bed.law().cutoff_m + 2e-3), 0);
   }
 }
 
 TEST(GranularLaw, OfItsOwnEndsWhereTheBedsDoes) {
-  // The damper, too: where nothing coheres, what comes near is braked when it touches, not before.
+  // Also the damper: without cohesion an approaching particle is braked in contact only.
   const Bed with_cohesion(lunar(0.24)), without(lunar(0));
   for (const Bed* bed : {&with_cohesion, &without}) {
     const GranularLaw law = granularLaw(*bed, LammpsLaw::kOwn);

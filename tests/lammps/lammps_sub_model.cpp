@@ -1,5 +1,5 @@
-// Sees LAMMPS' headers and none of haptolith's. Of LAMMPS no more is linked than the granular sub-models' bases: what
-// else they would call is never reached.
+// Includes LAMMPS' headers and none of haptolith's. Only the bases of the granular sub-models are linked from LAMMPS:
+// what else they would call is never reached.
 
 #include "lammps_sub_model.h"
 
@@ -17,7 +17,7 @@ namespace {
 using namespace LAMMPS_NS;
 using namespace LAMMPS_NS::Granular_NS;
 
-/// A thing of LAMMPS that nobody has made, all zeros: its constructor would want the whole of LAMMPS.
+/// An object of LAMMPS without construction, all zeros: its constructor would need all of LAMMPS.
 template <class Thing>
 class Unmade {
  public:

@@ -9,7 +9,7 @@ namespace haptolith {
 struct SubModelContact {
   bool wall = false;
   double radii_m = 0;                ///< both together; of a wall the grain's
-  double distance_m = 0;             ///< of the centres, or from the wall; along x
+  double distance_m = 0;             ///< distance of the centres, or from the wall; along x
   double parting_m_s = 0;            ///< speed apart
   std::array<double, 3> slip_m_s{};  ///< across x
   double dt_s = 0;
@@ -21,7 +21,7 @@ struct SubModelForce {
   std::array<double, 3> across_n{};
 };
 
-/// What extras/lammps makes of a contact with LAMMPS' headers. @param stretch  what the contact remembers, changed.
+/// Evaluates extras/lammps for a contact with LAMMPS' headers. @param stretch  memory of the contact, updated.
 [[nodiscard]] SubModelForce subModelForce(const std::vector<double>& normal, const std::vector<double>& across,
                                           const SubModelContact& contact, std::array<double, 3>& stretch);
 

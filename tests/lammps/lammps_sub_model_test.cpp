@@ -1,4 +1,4 @@
-// extras/lammps beside the bed's own law, contact by contact.
+// extras/lammps compared with the bed's own law, contact by contact.
 
 #include "lammps_sub_model.h"
 

@@ -83,7 +83,7 @@ TEST(ToolSpheres, AreManyUnderAGrain) {
 TEST(ToolSpheres, AreAsThinAsTheTool) {
   ToolParameters shovel;
   const ToolSpheres spheres = toolSpheres(shovel, 0, 4e-3);
-  EXPECT_DOUBLE_EQ(spheres.radius_m, 2.5e-3);  // of a sheet of 5 mm
+  EXPECT_DOUBLE_EQ(spheres.radius_m, 2.5e-3);  // half of a 5 mm sheet
   for (const Vec3& centre : spheres.centres_tool_m) {
     EXPECT_NEAR(centre.z(), 0, 1e-5);
     EXPECT_LE(std::abs(centre.x()), 0.0225 + 1e-5);

@@ -252,7 +252,7 @@ TEST(DistanceField, OfASheetIsHalfItsThicknessLess) {
   EXPECT_LT(field.at({0.01, 0.003, 0}).distance_m, -0.8e-3);
   EXPECT_NEAR(field.corners().high_m.z(), 0.001, 1e-12);
   EXPECT_THAT(refusalOf(sheet, {}, 0.0005), HasSubstr("walls 0.5 mm thick"));
-  // Thicker than twice the band: its middle is inside, too.
+  // Thicker than twice the band: its centre is also inside.
   EXPECT_EQ(fieldOf(sheet, {.band_m = 1e-3}, 0.02).at({0, 0, 0}).distance_m, -1e-3);
 }
 

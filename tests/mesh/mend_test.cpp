@@ -191,7 +191,7 @@ TEST(Mend, BearsAnEdgeOfFourTriangles) {
 }
 
 TEST(Mend, RefusesASurfaceWithOneSide) {
-  TriangleMesh strip;  // of Moebius
+  TriangleMesh strip;  // Moebius strip
   const auto at = [](int i, double across) -> Vec3 {
     const double turn = 2 * std::numbers::pi * i / 20;
     const double out = 0.05 + across * std::cos(turn / 2);
@@ -216,7 +216,7 @@ TEST(Mend, KeepsACavityOnlyWhereTheFileHasIt) {
   TriangleMesh mixed = made::insideOut(inner);
   std::swap(mixed.triangles[0][1], mixed.triangles[0][2]);
   EXPECT_NEAR(volume(made::together(outer, mixed)), outer_m3 + kCube_m3, 1e-12) << "not all of it looked inwards";
-  // Beside each other, or through each other, there is no cavity.
+  // Side by side, or intersecting, there is no cavity.
   EXPECT_NEAR(volume(made::together(inner, made::insideOut(made::cube(0.02, Vec3(0.05, 0, 0))))), 2 * kCube_m3, 1e-12);
   EXPECT_NEAR(volume(made::together(outer, made::insideOut(made::cube(0.02, Vec3(0.02, 0, 0))))), outer_m3 + kCube_m3,
               1e-12);

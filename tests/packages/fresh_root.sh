@@ -23,7 +23,7 @@ tar -c -C "$source" --exclude=./build --exclude=./.git --exclude=./web --exclude
 cp /etc/resolv.conf /etc/hosts "$root/etc/"
 within apt-get -q update > /dev/null
 
-# needs PACKAGE...: installs what a test depends on, of ours from /packages. Man pages stay out of small roots unless asked for.
+# needs PACKAGE...: installs a test's dependencies, haptolith's from /packages. Man pages stay out of small roots unless requested.
 needs() {
   local wanted=() name
   for name in "$@"; do
@@ -37,7 +37,7 @@ say "installing all packages"
 within sh -c 'apt-get -q install -y --no-install-recommends /packages/*.deb' > "$root/tmp/apt.log" 2>&1 || { tail -20 "$root/tmp/apt.log"; exit 1; }
 
 failed=0
-# run NAME COMMAND...: a test, in a folder of its own.
+# run NAME COMMAND...: a test, in a separate folder.
 run() {
   local name=$1
   shift
@@ -63,7 +63,7 @@ while IFS=: read -r field value; do
   esac
 done < "$source/debian/tests/control"
 
-# As a part of somebody's build, with the packages that docs/how-to/library.md names, and no others of ours.
+# As a part of another project's build, with the packages that docs/how-to/library.md names, and no others.
 needs $(sed -n '/add_subdirectory(haptolith)/,/to build/p' "$source/docs/how-to/library.md" | grep -oE 'lib[a-z0-9-]+-dev|nlohmann-json3-dev') g++ cmake ninja-build pkg-config
 run add-subdirectory 'tests/c_api/consumers.sh add_subdirectory installed "$AUTOPKGTEST_TMP/work"'
 

@@ -24,7 +24,7 @@ constexpr Experiment kFriction{0.835, 0.29, {0.600, 0.648, 0.735, 1.00, 1.21}};
 constexpr Experiment kGravity{1.625, 3.31, {0.270, 0.625, 1.314, 3.721, 9.807}};
 
 struct Found {
-  double bias = 0;     // of w, as a share of it
+  double bias = 0;     // relative bias of w
   double covered = 0;  // share of the intervals that hold w
 };
 
@@ -52,7 +52,7 @@ Found studiesOf(const Experiment& experiment, double lapse) {
   return found;
 }
 
-// Of 200 studies the mean w strays by 1.2 % (friction) and 2.1 % (gravity), the coverage by 1.5 %.
+// Over 200 studies the mean w varies by 1.2 % (friction) and 2.1 % (gravity), the coverage by 1.5 %.
 void expectSound(const Found& found) {
   EXPECT_NEAR(found.bias, 0, 0.08);
   EXPECT_GE(found.covered, 0.91);

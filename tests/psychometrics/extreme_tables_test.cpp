@@ -80,7 +80,7 @@ void expectSound(const Fit& fit, const std::string& what, bool of_group = false)
     EXPECT_LE(fit.threshold.interval.low, 0) << what;
   }
   expect_inside("lapse", fit.lapse);
-  if (!of_group) {  // where both are each person's own
+  if (!of_group) {  // both are individual
     expect_inside("guess", fit.guess);
     expect_inside("overdispersion", fit.overdispersion);
   }
@@ -147,7 +147,7 @@ TEST(ExtremeTables, GiveGroupsAnEstimateInsideItsInterval) {
     const std::vector<Level> first = drawnTable(random, true);
     std::string what = fmt::format("table {}: ", table);
     for (std::vector<Level>& person : people) {
-      person = first;  // the same stimuli, other answers
+      person = first;  // equal stimuli, other responses
       const double kind = drawnBelow(random, 4);
       for (Level& level : person) {
         level.k = kind == 0 ? 0 : kind == 1 ? level.n : kind == 2 ? level.k : drawnBelow(random, level.n + 1);

@@ -12,7 +12,7 @@
 namespace haptolith {
 namespace {
 
-// Answers of a made-up study of the paper's friction design.
+// Responses of a simulated study of the paper's friction design.
 constexpr double kReference = 0.835;
 const std::vector<Level> kLevels{{0.6, 2, 24}, {0.648, 4, 24}, {0.735, 8, 24}, {1, 18, 24}, {1.21, 22, 24}};
 

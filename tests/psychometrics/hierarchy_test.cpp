@@ -10,7 +10,7 @@
 namespace haptolith {
 namespace {
 
-/// Somebody whose answers say that `first` is normal about this place, and nothing of `second`.
+/// A participant whose responses make `first` normal about this value, without information on `second`.
 PersonTable somebody(double place, double deviation) {
   return closedTable({-10, 10}, {0, 0}, {0}, Effort::kThorough,
                      [=](const std::vector<double>& first, const std::vector<double>& second) {
@@ -50,7 +50,7 @@ TEST(Hierarchy, HasTheNormalPosteriorOfAKnownSpread) {
   }
 }
 
-// The same of a person: their own answer and the group's, weighted by their precisions, where the group is large.
+// As above for a participant: their own estimate and the group's, weighted by precision, for a large group.
 TEST(Hierarchy, DrawsAPersonTowardsTheGroup) {
   std::vector<PersonTable> people(200, somebody(0, 0.5));
   people.push_back(somebody(2, 0.5));
@@ -112,7 +112,7 @@ TEST(Marginal, OfADensityThatFallsTo0HasItsPercentiles) {
   }
   const Estimate estimate = estimateOf(marginal, 0.95);
   EXPECT_NEAR(estimate.value, 0, 1e-3);
-  EXPECT_NEAR(estimate.interval.low, -2.1453, 0.01);  // where x + sin x is -0.95 pi
+  EXPECT_NEAR(estimate.interval.low, -2.1453, 0.01);  // solves x + sin x = -0.95 pi
   EXPECT_NEAR(estimate.interval.high, 2.1453, 0.01);
 }
 

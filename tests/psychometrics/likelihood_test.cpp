@@ -8,7 +8,7 @@
 namespace haptolith {
 namespace {
 
-// Answers of a made-up study of the paper's friction design; numbers from brute_force.py.
+// Responses of a simulated study of the paper's friction design; numbers from brute_force.py.
 const std::vector<Level> kLevels{{0.6, 2, 24}, {0.648, 4, 24}, {0.735, 8, 24}, {1, 18, 24}, {1.21, 22, 24}};
 
 TEST(Likelihood, IsTheBetaBinomialsByLogGamma) {
@@ -60,7 +60,7 @@ TEST(Likelihood, WhatIsExcludedIsImpossible) {
 }
 
 TEST(Deviance, IsNoughtWhenEveryLevelIsMetExactly) {
-  PsychometricFunction function;  // of 0 to 1 about 0
+  PsychometricFunction function;  // 0 to 1 about 0
   const std::vector<Level> exact{{0, 5, 10}};
   EXPECT_NEAR(devianceOf(exact, function), 0, 1e-12);
   const std::vector<Level> worse{{0, 6, 10}};

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kReference = 0.835;
 
-/// A thousand answers to each level of the paper's friction study, by somebody with w = 0.29 and no bias.
+/// A thousand responses per level of the paper's friction study, from a participant with w = 0.29 and no bias.
 std::vector<Level> thousandAnswers() {
   std::vector<Level> levels;
   for (const double x : {0.6, 0.648, 0.735, 1.0, 1.21}) {

@@ -66,7 +66,7 @@ TEST(PublishedFits, YesAndNoWithFreeAsymptotes) {
   EXPECT_NEAR(fit.width.interval.high, 2.11543, 0.1 * 2.11543);
 }
 
-/// What psignifit's consistency tests keep of a fit: MAP, 95 % intervals, deviance. On the axis: ln x where
+/// Values that psignifit's consistency tests store of a fit: MAP, 95 % intervals, deviance. On the axis: ln x where
 /// logarithmic.
 struct Published {
   const char* name;
@@ -82,7 +82,7 @@ struct Published {
   double deviance;
 };
 
-// Where the width is above 3 R, the prior's end, or the posterior has two humps (width of 2afc-weibull), the published
+// If the width is above 3 R, the prior's end, or the posterior is bimodal (width of 2afc-weibull), the published
 // numbers are still met.
 const std::vector<Published> kPublished{
     {"2afc-weibull",

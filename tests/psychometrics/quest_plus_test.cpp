@@ -48,7 +48,7 @@ QuestPlus watsonsQuest(const std::vector<double>& slopes, const std::vector<doub
   return {contrasts_db, hypotheses, trials};
 }
 
-/// How many stimuli in a row are the published ones, when the answers are: C correct, I incorrect.
+/// Number of consecutive stimuli that match the published ones, for responses C correct, I incorrect.
 std::size_t publishedInARow(QuestPlus& quest, const std::vector<int>& contrasts_db, std::string_view answers) {
   for (std::size_t i = 0; i < contrasts_db.size(); ++i) {
     const std::optional<double> next = quest.next();
@@ -108,7 +108,7 @@ TEST(QuestPlus, ChoosesWatsonsStimuliForThresholdSlopeAndLapse) {  // Watson 201
   EXPECT_NEAR(mostProbableDb(quest, 5), -20, 1e-9);
 }
 
-/// Whether somebody with this function says "more".
+/// Whether a participant with this function responds "more".
 bool answerOf(const PsychometricFunction& truth, double x, std::mt19937_64& random) {
   return (uniformSigned(random) + 1) / 2 < probability(truth, x);
 }
@@ -154,7 +154,8 @@ TEST(QuestPlus, FindsTheWeberFractionOfSimulatedPeople) {
   EXPECT_NEAR(sum_threshold / kPeople, 1.05 * kReference, 0.03 * kReference);
 }
 
-// People differ. Levels that were chosen beforehand suit few of them; QUEST+ finds the levels that tell most of each.
+// People differ. Levels that were chosen beforehand suit few of them; QUEST+ finds the most informative levels for
+// each.
 TEST(QuestPlus, NeedsFewerTrialsThanConstantStimuli) {
   std::mt19937_64 random(2);
   FitOptions options = weberOptions(kReference);

@@ -218,7 +218,7 @@ TEST(Staircase, GoesOnWhereItWasWhenToldTheAnswersAgain) {
   }
 }
 
-// Earlier versions drew the turns otherwise: a block that such a version has begun goes on where it was all the same.
+// Earlier versions drew the turns otherwise: a block that such a version has begun still continues in place.
 TEST(Staircase, AnswersOutOfTurnBelongToTheirSide) {
   const auto staircase = makeStaircase({.first_step = 1}, {1, 2, 3, 5, 6, 7}, 4);
   for (const double x : {7.0, 7.0, 6.0, 6.0, 1.0, 1.0}) {

@@ -6,10 +6,10 @@
 
 namespace haptolith {
 
-/// A header in which every entry has a value of its own.
+/// A header in which every entry has a different value.
 RecordingHeader madeUpHeader();
 
-/// Tick number n: every member has a value of its own, among them NaN, infinity, -0 and the smallest number.
+/// Tick number n: every member has a different value, among them NaN, infinity, -0 and the smallest number.
 TickRecord madeUpTick(std::uint64_t n);
 
 ParticleFrame madeUpFrame(std::uint64_t n, std::size_t particles);

@@ -1,6 +1,6 @@
 // A program that records, for tests in which it is killed or its disk is full.
 //
-//   recording_helper record FILE          1000 ticks a second until it is killed; how many were added so far stands as
+//   recording_helper record FILE          1000 ticks a second until it is killed; the number added so far is
 //                                         eight bytes in FILE.added
 //   recording_helper full FILE BYTES      no file may grow beyond BYTES: records until there is a problem, and prints
 //   it recording_helper make FILE TICKS PARTICLES   a finished file
@@ -61,7 +61,7 @@ int recordUntilFull(const std::string& path, rlim_t bytes) {
     addTenTicks(writer, n);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  addTenTicks(writer, 0);  // nobody minds
+  addTenTicks(writer, 0);  // without effect
   writer.finish();
   std::puts(writer.problem().c_str());
   return 0;

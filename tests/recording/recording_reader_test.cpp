@@ -63,7 +63,7 @@ class RecordingReaderTest : public testing::Test {
 
   void write(const std::string& bytes) const { std::ofstream(path(), std::ios::binary) << bytes; }
 
-  /// Lets somebody with HDF5 in hand change the file.
+  /// Changes the file with HDF5.
   template <class Change>
   void changed(Change change) const {
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);

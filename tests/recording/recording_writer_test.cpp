@@ -288,7 +288,7 @@ TEST_F(RecordingWriterTest, AFileThatCannotBeMadeIsToldWithTheReason) {
               ThrowsMessage<Failure>(AllOf(HasSubstr("missing/a.h5"), HasSubstr("No such file or directory"))));
   EXPECT_THAT([&] { RecordingWriter("/dev/null", madeUpHeader(), {.overwrite = true}); },
               ThrowsMessage<Failure>(HasSubstr("not a regular file")));
-  if (geteuid() != 0) {  // who may write anywhere
+  if (geteuid() != 0) {  // root may write anywhere
     fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
     EXPECT_THAT([&] { RecordingWriter(file("a.h5"), madeUpHeader()); },
                 ThrowsMessage<Failure>(HasSubstr("Permission denied")));
@@ -355,7 +355,7 @@ TEST_F(RecordingWriterTest, ADiskTooFullForAnEmptyRecordingIsToldAtOnce) {
   EXPECT_FALSE(fs::exists(file("a.h5")));
 }
 
-/// Kills a program that records, at a moment of its own, and looks at what it leaves. Returns how many ticks were lost.
+/// Kills a program that records, at a random moment, and checks its file. Returns the number of lost ticks.
 std::uint64_t ticksLostInKill(const fs::path& path, std::chrono::milliseconds after) {
   const fs::path added_path = path.string() + ".added";
   fs::remove(path);

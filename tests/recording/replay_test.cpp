@@ -32,8 +32,8 @@ using testing::IsEmpty;
 using testing::ThrowsMessage;
 namespace fs = std::filesystem;
 
-/// A device in a person's hand, which pushes the shovel into the soil and pulls it out, twice a second. What else goes
-/// wrong in its n-th read() is a test's choice.
+/// A device in a person's hand, which pushes the shovel into the soil and pulls it out, twice a second. Other
+/// parameters go wrong in its n-th read() is a test's choice.
 class PersonsDevice final : public HapticDevice {
  public:
   using Accident = std::function<void(int read, DeviceInput& input)>;
@@ -160,7 +160,7 @@ class ReplayTest : public testing::Test {
 
   fs::path folder_;
   RecordingHeader header_;
-  bool simulated_ = false;  ///< whether nobody is at the device
+  bool simulated_ = false;  ///< whether no person is at the device
   std::vector<TickRecord> ticks_;
   std::vector<RecordingEvent> events_;
   DeviceOutput last_felt_;
@@ -303,7 +303,7 @@ TEST_F(ReplayTest, AHashOrAForceThatWasAnotherIsFoundByName) {
   ticks_[50].flags ^= kTickForceSaturated;
   findsIn50("flags");
   ticks_ = whole;
-  ticks_[50].flags ^= kTickLate;  // of the clock
+  ticks_[50].flags ^= kTickLate;  // depends on the clock
   EXPECT_FALSE(replayed().difference);
 }
 

@@ -72,7 +72,7 @@ class CdrReader {
     at_ += size;
     return {first, first + size};
   }
-  /// What follows: padding to a multiple of 4.
+  /// Padding to a multiple of 4.
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
 
  private:

@@ -20,7 +20,7 @@
 #include <thread>
 #include <utility>
 
-// Fast DDS, inside itself, gives back less memory than it took where its statistics are (2.9.1): nothing of ours.
+// Fast DDS leaks memory in its statistics (2.9.1), independent of haptolith.
 extern "C" __attribute__((visibility("default"))) const char* __asan_default_options() {  // NOLINT: its name
   return "new_delete_type_mismatch=0";
 }

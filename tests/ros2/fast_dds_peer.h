@@ -27,7 +27,7 @@ class FastDdsPeer {
   /// A writer; write() by its number.
   std::size_t makeWriter(const std::string& topic, const std::string& type, PeerQos qos);
   void write(std::size_t writer, const Bytes& payload);
-  /// How many readers a writer has found, how many writers all readers have.
+  /// Number of readers found by a writer, and of writers found by all readers.
   [[nodiscard]] int readersOf(std::size_t writer) const;
   [[nodiscard]] int writersFound() const;
 
@@ -36,7 +36,7 @@ class FastDdsPeer {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// A domain that other tests on this machine hardly use at the same time.
+/// A domain that other tests on this machine are unlikely to use at the same time.
 [[nodiscard]] int someDomain();
 
 /// Waits for it, 10 s at most.

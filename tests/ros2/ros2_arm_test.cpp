@@ -23,7 +23,7 @@ constexpr double kTick_s = 1e-3;
 constexpr const char* kPose = "geometry_msgs::msg::dds_::PoseStamped_";
 constexpr const char* kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
 
-/// A robot that is at once where it is told to be, 0.5 m from its base and turned by a quarter, and whose sensor shows
+/// A robot that reaches its target immediately, 0.5 m from its base and turned by a quarter, with a sensor that shows
 /// a bias of 3 N and `pushes_n` on it, along the base's axes.
 class SomeRobot {
  public:
@@ -132,7 +132,7 @@ class Ros2ArmTest : public testing::Test {
 
 TEST_F(Ros2ArmTest, FollowsAnOperatorAndIsSafe) {
   ASSERT_TRUE(eventually([&] { return arm_.known(); }));
-  // Nobody commands: it finds its zero and is left alone.
+  // Without commands: it finds its zero and is left alone.
   ASSERT_TRUE(tickUntil(RobotState::kWaiting, true, false));
   EXPECT_EQ(arm_.targets(), 0);
 
@@ -143,13 +143,13 @@ TEST_F(Ros2ArmTest, FollowsAnOperatorAndIsSafe) {
   EXPECT_LT((arm_.at() - Vec3(0.5, 0, 0.25)).norm(), 2e-3);
   EXPECT_LT((robot_->tool().pose.position_m - Vec3(0, 0, 0.05)).norm(), 2e-3);
 
-  // What it meets comes without the sensor's bias, in the site's frame, whose x is the base's y.
+  // The remote force arrives without the sensor's bias, in the site frame, whose x is the base's y.
   arm_.pushes_n = {0, 4, 5};
   ASSERT_TRUE(tickUntil([&] { return robot_->met().force_n.norm() > 1; }));
   EXPECT_LT((robot_->met().force_n - Vec3(4, 0, 5)).norm(), 1e-9);
   EXPECT_EQ(robot_->state(), RobotState::kFollowing);
 
-  // Its poses stop: nothing more is asked of it. They come back: it begins anew, up and across.
+  // Its poses stop: it gets no more targets. They return: it restarts, up and across.
   ASSERT_TRUE(tickUntil(RobotState::kTaring, false));
   EXPECT_EQ(robot_->reason(), StopReason::kFault);
   const int targets = arm_.targets();

@@ -1,4 +1,4 @@
-// What a scene tells and takes, as another vendor's DDS hears and says it.
+// Messages from and to a scene, with another vendor's DDS at the other end.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ using testing::ElementsAre;
 constexpr const char* kPose = "geometry_msgs::msg::dds_::PoseStamped_";
 constexpr const char* kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
 
-/// What has been heard, by a thread of the peer's.
+/// Received messages, on a thread of the peer.
 class Heard {
  public:
   [[nodiscard]] std::function<void(const Bytes&)> listener() {
@@ -89,7 +89,7 @@ class SceneWireTest : public testing::Test {
     publisher_.emplace(*node_, scene, 1e-3);
   }
   void tell(const TickRecord& tick) { publisher_->add({&tick, 1}); }
-  /// Tells the tick again and again until somebody has heard of it: best effort is no promise.
+  /// Repeats the tick until it has been received: best effort does not guarantee delivery.
   bool tellUntilHeard(const TickRecord& tick, const Heard& heard) {
     return eventually([&] {
       tell(tick);
@@ -98,7 +98,7 @@ class SceneWireTest : public testing::Test {
     });
   }
 
-  /// Until the reader, which is told nothing twice, knows of the writer.
+  /// Waits until the reader, which receives nothing twice, has found the writer.
   bool writeUntilTaken(std::size_t writer) {
     return eventually([&] {
       peer_.write(writer, target({0, 0, 0.1}));
@@ -220,12 +220,12 @@ TEST_F(SceneWireTest, TheSurfaceIsAGridOfPoints) {
   EXPECT_LT(numbers[2], numbers[23]);
 }
 
-/// What ros_discovery_info says, with identifiers of so many bytes.
+/// Content of ros_discovery_info, with identifiers of this size.
 void expectToBeSeen(FastDdsPeer& peer, std::size_t gid_bytes) {
   Heard heard;
   peer.listen("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", PeerQos::kLatched,
               heard.listener());
-  ASSERT_TRUE(eventually([&] { return heard.count() > 0; }));  // though it was told before somebody listened
+  ASSERT_TRUE(eventually([&] { return heard.count() > 0; }));  // although it was sent before the reader existed
   const Bytes bytes = heard.last();
   CdrReader reader(bytes);
   const Bytes participant = reader.octets(gid_bytes);
@@ -384,7 +384,7 @@ TEST_F(SceneWireTest, AThousandMessagesASecondGoBothWays) {
     (void)reader.text();
     const auto x = reader.get<double>();
     if (x < 0) {
-      return;  // of the search for each other
+      return;  // the discovery phase
     }
     disorder += x <= last_x ? 1 : 0;
     last_x = x;

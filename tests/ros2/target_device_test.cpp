@@ -22,7 +22,7 @@ class TargetDeviceTest : public testing::Test {
     inbox_->draft() = {{position_m, Quat::Identity()}, monotonicNs() - std::int64_t(1e9 * age_s)};
     inbox_->publish();
   }
-  /// Where the handle is after so many ticks; the target stays fresh.
+  /// Pose of the handle after a number of ticks; the target stays fresh.
   DeviceInput follow(const Vec3& position_m, int ticks) {
     DeviceInput input;
     for (int i = 0; i < ticks; ++i) {

@@ -219,7 +219,7 @@ std::uint64_t outcomeOf(const SceneFile& scene_file) {
 }
 
 /// An instruction set and, where its first guesses of reciprocals and roots are not the same on every processor, whose
-/// they are. AVX-512's are laid down to the last bit; those of AVX2 and SSE are their maker's own.
+/// they are. AVX-512's are specified exactly; those of AVX2 and SSE depend on the maker.
 std::string guessesOf(const std::string& target) {
 #if HWY_ARCH_X86
   const bool is_makers_own = target == "AVX2" || target == "SSE4" || target == "SSSE3";

@@ -181,7 +181,7 @@ TEST_F(LoadSceneFile, MillimetresBecomeMetresAndWordsBecomeMeanings) {
 }
 
 TEST_F(LoadSceneFile, APresetAtAnotherRadiusIsRescaled) {
-  // Half the radius: gamma / 8, k / 2. What is given too is taken as it is, wherever it stands.
+  // Half the radius: gamma / 8, k / 2. Numbers that are also given are used unchanged, wherever they are.
   const SceneFile scene = load("[soil]\nradius_mm = 3.5\npreset = 'P4'\n");
   EXPECT_DOUBLE_EQ(scene.bed.soil.radius_m, 3.5e-3);
   EXPECT_DOUBLE_EQ(scene.bed.soil.gamma_nm, 6e-5 / 8);
@@ -381,7 +381,7 @@ TEST_F(LoadSceneFile, ShippedScenesHaveNoKeyWithoutEffect) {
 
 TEST_F(LoadSceneFile, BuiltInScenesAreTheFilesByTheirNames) {
   for (const std::string& name : sceneNames()) {
-    if (name != "plate-in-sand") {  // whose poses lie beside the file
+    if (name != "plate-in-sand") {  // its poses are next to the file
       EXPECT_EQ(findSceneFile(name), loadSceneFile(sourceDir() / "scenes" / (name + ".toml"))) << name;
     }
   }

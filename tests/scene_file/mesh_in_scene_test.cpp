@@ -1,4 +1,4 @@
-// Tools that somebody drew, in scene files: what the keys mean, what is refused, and that a scene carries its mesh
+// Users' meshes as tools in scene files: meaning of the keys, refusals, and that a scene carries its mesh
 // along.
 
 #include <fmt/format.h>
@@ -149,7 +149,7 @@ TEST_F(MeshInAScene, OfPartsRefusesWhatDoesNotFit) {
   EXPECT_THAT(errorOf("\n[[tool_part]]\nsize_mm = [40, 40, 0.5]\n"), AllOf(HasSubstr("x.toml:3"), HasSubstr("walls")));
 }
 
-// --- the tools that come along ---------------------------------------------------------------------------------------
+// --- the tools that ship along ---------------------------------------------------------------------------------------
 
 double distanceAt(const SceneFile& scene, const Vec3& place_mm) {
   return scene.tool.mesh->field.at(1e-3 * place_mm).distance_m;

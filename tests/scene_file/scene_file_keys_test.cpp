@@ -169,7 +169,7 @@ double outside(double end, double direction) {
 }
 
 TEST(SceneFileKeys, AcceptWhatTheParametersAcceptAtBothEnds) {
-  // What else is in the scene makes these narrower: a box is at least a particle wide, a spring's mass follows it.
+  // Other parts of the scene make these narrower: a box is at least a particle wide, a spring's mass follows it.
   constexpr std::array<std::string_view, 5> kNarrower{"width_mm", "length_mm", "depth_mm", "rho_max_kg_m3", "mass_kg"};
   for (const SceneFileKey& key : sceneFileKeys()) {
     const std::optional<Range> range = rangeOf(key);

@@ -170,7 +170,7 @@ std::string someValue(const SceneFileKey& key, std::mt19937_64& random) {
   return std::visit(some, key.value);
 }
 
-/// The same, but such that values go together: soil that carries its own weight, in a box that holds it.
+/// As above, with consistent values: soil that carries its own weight, in a box that holds it.
 std::string likelyValue(const SceneFileKey& key, std::mt19937_64& random) {
   const auto about = [&](double middle) { return fmt::format("{}", middle * (1 + 0.3 * uniformSigned(random))); };
   if (key.table == "soil" && key.name != "friction") {

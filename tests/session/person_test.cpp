@@ -24,10 +24,10 @@ using testing::ThrowsMessage;
 constexpr double kMost_n = 10;
 constexpr double kRate_n_s = 100;
 
-/// What a test and the device in a session share.
+/// Data shared by a test and the device in a session.
 struct Handle {
-  std::atomic<double> z_m{0};        ///< where the person wants it: above the middle of the device's workspace
-  std::atomic<double> step_m{2e-4};  ///< how far it gets in a tick, at most
+  std::atomic<double> z_m{0};        ///< target of the person: above the centre of the device's workspace
+  std::atomic<double> step_m{2e-4};  ///< largest movement per tick
   std::atomic<bool> letting_go{false}, gone{false};
   std::atomic<double> last_force_n{0};
 };
@@ -103,10 +103,10 @@ class PersonsSession : public testing::Test {
     const std::uint64_t ticks = session_->snapshot().ticks;
     ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > ticks + count; }));
   }
-  /// How far below the middle of the workspace the tool's centre is so deep in the soil.
+  /// Distance below the centre of the workspace at which the tool's centre has a given depth in the soil.
   [[nodiscard]] static double below(double depth_m) { return -HandParameters().home_m.z() - depth_m; }
 
-  /// How much the force at the hand changed in a tick, at most, from record number `first` on.
+  /// Largest change of the force at the hand in a tick, from record number `first` on.
   [[nodiscard]] double largestChange(std::size_t first) const {
     double largest_n = 0;
     for (std::size_t i = std::max<std::size_t>(first, 1); i < records_.size(); ++i) {
@@ -135,7 +135,7 @@ TEST_F(PersonsSession, WhatOnlyASimulatedHandCanDoIsRefusedAndSaysWho) {
   EXPECT_THAT([this] { session_->setSpeed(0.5); }, refused("factor"));
   EXPECT_FALSE(session_->held());
   EXPECT_EQ(session_->speed(), 1);
-  session_->release();  // of what is not held: nothing
+  session_->release();  // without a held tool: no effect
   waitTicks(100);
 }
 
@@ -155,7 +155,7 @@ TEST_F(PersonsSession, APauseLetsGoAndForceComesBackSoftlyWhereTheHandIsThen) {
   const double before_m = toolHeight();
   const std::size_t ticks = records_.size();
 
-  handle_->step_m = 1;  // time stands still, and the hand does not
+  handle_->step_m = 1;  // time is paused, and the hand moves
   handle_->z_m = below(0.01);
   session_->resume();
   ASSERT_TRUE(soon([&] { return records_.size() > ticks + 900; }));
@@ -168,7 +168,7 @@ TEST_F(PersonsSession, APauseLetsGoAndForceComesBackSoftlyWhereTheHandIsThen) {
   for (std::size_t i = ticks; i < ticks + 900; ++i) {
     ASSERT_NEAR(records_[i].scene_T_tool.position_m.z(), first.scene_T_tool.position_m.z(), 1e-12);
   }
-  for (std::size_t i = ticks; i < ticks + 400; ++i) {  // of the 500 of the soft start
+  for (std::size_t i = ticks; i < ticks + 400; ++i) {  // part of the 500 of the soft start
     ASSERT_NE(records_[i].flags & kTickSoftStart, 0U);
     const double share = static_cast<double>(i + 1 - ticks) / 500;
     ASSERT_LE(records_[i].sent.wrench.force_n.norm(),

@@ -32,7 +32,7 @@ bool isLeftOut(const SceneFileKey& key) {
   return std::ranges::find(kTables, key.table) != kTables.end() || std::ranges::find(kNames, key.name) != kNames.end();
 }
 
-/// What is valid and takes too long for a test: a billion particles, beds that settle for minutes.
+/// Valid scenes that take too long for a test: a billion particles, beds that settle for minutes.
 double mostOf(const SceneFileKey& key) {
   if (key.table == "bed" && (key.name == "particles" || key.name == "layers")) {
     return key.name == "particles" ? 1500 : 10;

@@ -72,7 +72,7 @@ TEST(SceneChange, WhatCannotBeIsRefused) {
   refused([](SceneChange& c) { c.tool_size_m = Vec3(0, 1, 1); });
 }
 
-/// Settled soil with a ball in it.
+/// Settled soil with a sphere in it.
 SceneFile ballInSoil() {
   SceneFile scene = findSceneFile("buried-stone");
   scene.bed.stones.placed.push_back(scene.bed.stones.placed.front());

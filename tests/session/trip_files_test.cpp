@@ -20,7 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// With a home of its own, and started in another folder, where nothing may be left.
+/// Runs with a separate home, and started in another folder, where no file may be left.
 class TripFilesTest : public testing::Test {
  protected:
   TripFilesTest()

@@ -46,7 +46,7 @@ std::vector<Expectation> expectationsIn(const fs::path& folder) {
   }
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = fs::relative(entry.path(), folder).string();
-    const bool buffer = entry.path().extension() == ".bin";  // of a glTF file
+    const bool buffer = entry.path().extension() == ".bin";  // buffer of a glTF file
     EXPECT_TRUE(entry.is_directory() || buffer || named.contains(name)) << name << " is not in expectations.txt";
   }
   return all;

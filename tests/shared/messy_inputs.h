@@ -17,8 +17,8 @@ namespace haptolith {
 /// with names relative to the folder and without spaces. Empty lines and those that begin with # are comments.
 struct Expectation {
   std::string input, verb;
-  std::string clean;  ///< of "is"
-  int line = 0;       ///< of "warned" and "refused"
+  std::string clean;  ///< for "is"
+  int line = 0;       ///< for "warned" and "refused"
   std::string words = {};
 };
 
@@ -31,7 +31,7 @@ void expectWords(const std::string& message, const Expectation& expected);
 /// Calls `read` and expects what is written: `read` compares with the clean input, or returns what it warned of.
 void expectAsWritten(const Expectation& expected, const std::function<std::string()>& read);
 
-/// What a reader made of an input: all of it as text, in which equal inputs are equal, and what it warned of.
+/// Result of a reader: all of it as text, equal for equal inputs, and its warnings.
 struct Reading {
   std::string text, warnings = {};
 };

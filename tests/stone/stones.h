@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests of stones measure on their own.
+// Independent measurements for tests of stones.
 
 #include <gmock/gmock.h>
 

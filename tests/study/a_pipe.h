@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// What a child has told: it writes a number only after the call has returned.
+/// Messages of a child: it writes a number only after the call has returned.
 class Pipe {
  public:
   Pipe() { EXPECT_EQ(pipe(ends_.data()), 0); }
@@ -28,7 +28,7 @@ class Pipe {
       ends_[1] = -1;
     }
   }
-  /// Waits for the next number; none when nobody can tell any more.
+  /// Waits for the next number; empty when the writer is gone.
   [[nodiscard]] std::optional<int> listen() const {
     int number = 0;
     return read(ends_[0], &number, sizeof(number)) == ssize_t{sizeof(number)} ? std::optional(number) : std::nullopt;

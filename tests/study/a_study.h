@@ -44,7 +44,7 @@ levels = ["Ceres", "Pluto", "Europa", "Mars", "Earth"]
 log_axis = true
 )toml";
 
-/// A study of kTwoBlocks in a folder of its own.
+/// A study of kTwoBlocks in a separate folder.
 class AStudy : public testing::Test {
  public:
   ~AStudy() override { std::filesystem::remove_all(folder_); }

@@ -28,7 +28,7 @@ using testing::IsEmpty;
 
 constexpr std::uint64_t kSeed = 3;
 
-/// A block over coefficients of friction, with what else stands in its tables.
+/// A block over coefficients of friction, with further lines of its tables.
 StudyBlock aBlock(const std::string& rest) {
   return loadProtocolText(R"(title = "Friction"
 [[block]]
@@ -48,7 +48,7 @@ StudyBlock aStaircase(const std::string& rest = "") {
   return aBlock("procedure = \"staircase\"\n[block.staircase]\nreversals = 12\n" + rest);
 }
 
-/// The answers of somebody with this Weber fraction, to the procedure's end.
+/// Responses of a participant with this Weber fraction, to the procedure's end.
 std::vector<Level> answersOf(const StudyBlock& block, double w, std::uint64_t seed, double bias = 0) {
   SimulatedObserver observer({.weber_fraction = w, .bias = bias}, seed);
   const std::unique_ptr<AdaptiveProcedure> procedure = procedureOf(block, seed);

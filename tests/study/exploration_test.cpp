@@ -115,7 +115,7 @@ TEST(Exploration, FeelsNoWeightWithoutGravity) {
   const LevelBed bed = levelBed(scene);
   scene.bed.gravity_m_s2 = Vec3::Zero();
   const Exploration scoop = explore(scene, bed, {.manoeuvre = Manoeuvre::kScoop, .rounds = 1});
-  EXPECT_NEAR(scoop.carried_n, 0, 0.01);  // on Earth some 0.08
+  EXPECT_NEAR(scoop.carried_n, 0, 0.01);  // on Earth about 0.08
 }
 
 /// A built-in scene whose soil is so deep, packed instead of settled: at rest at once.
@@ -161,7 +161,7 @@ TEST(Picture, IsWhatTheSurfaceDoes) {
   BedParameters bed;
   bed.width_m = bed.length_m = 0.028;  // two cells each way, of 14 mm
   const double r = bed.soil.radius_m;
-  // Four grains on top, one below another that nobody sees.
+  // Four particles on top, one hidden below another.
   const std::vector<Vec3> before_m{{-r, -r, 0.030}, {r, -r, 0.030}, {-r, r, 0.030}, {r, r, 0.030}, {r, r, 0.010}};
   std::vector<Vec3> after_m = before_m;
   EXPECT_EQ(pictureOf(before_m, after_m, bed).heave_m, 0);

@@ -35,7 +35,7 @@ std::string readFile(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// Two participants, of whom the second has quit; a trial of each state and kind, and awkward texts.
+/// Two participants, the second of which has quit; a trial of each state and kind, and awkward texts.
 class StudyExport : public AStudy {
  protected:
   StudyExport() {

@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// A rig without a bed: it writes down what it is told, is ready at once, and fails to order.
+/// A mock rig without a bed: it records its calls, is ready immediately, and fails on demand.
 class FakeRig final : public Rig {
  public:
   void prepare(const StudyBlock& /*block*/, const Stimulus& stimulus) override { prepared.push_back(stimulus.name); }

@@ -165,7 +165,7 @@ TEST(Groups, HaveStrataOfChoicesAndOfNumbersBetweenCutPoints) {
 // --- who comes into which
 // ---------------------------------------------------------------------------------------------
 
-/// How often each group comes in these places of a stratum's sequence.
+/// Counts of each group in these places of a stratum's sequence.
 std::array<int, 2> counted(const StudyProtocol& protocol, std::size_t stratum, std::size_t first, std::size_t count) {
   std::array<int, 2> counts{};
   for (std::size_t place = first; place < first + count; ++place) {
@@ -262,7 +262,7 @@ class StudyWithGroups : public testing::Test {
     conductor_ = std::make_unique<Conductor>(*store_, *rig_, ConductorOptions{.now_s = [this] { return now_s_; }});
   }
 
-  /// Somebody of the first stratum comes and is assigned.
+  /// Assigns a participant of the first stratum.
   ParticipantRow somebody() {
     const std::int64_t id = store_->addParticipant("").id;
     store_->setAnswers(id, "demographics", store_->protocol().demographics, {{"hand", "left"}, {"age", "20"}});
@@ -369,7 +369,7 @@ TEST_F(StudyWithGroups, SimulatedPeopleComeFromEveryStratumAndDifferByGroups) {
     text.insert(at, "repeats = 1\n");
   }
   make(text);
-  std::map<std::string, std::array<int, 2>> right;  // of all answers
+  std::map<std::string, std::array<int, 2>> right;  // counts over all responses
   for (unsigned person = 0; person < 24; ++person) {
     SimulatedParticipant participant({.weber_fraction = 0.1, .group_factor = 8}, person);
     Conductor conductor(*store_, *rig_, {.now_s = [&participant] { return participant.now(); }});

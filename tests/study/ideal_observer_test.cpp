@@ -104,7 +104,7 @@ TEST(Discrimination, TakesAwayWhatTwoCuesScatterTogether) {
   }();
   const Discrimination both = discriminate(stimuli, 3, std::array{kSense, kSense});
   EXPECT_LT(both.weights[1], 0);
-  // What is left is the noise of both senses.
+  // The rest is the noise of both senses.
   EXPECT_NEAR(both.jnds[5], std::log(1.21 / 0.835) / std::log(1.3) / std::sqrt(2), 0.01);
   EXPECT_LT(alone, 0.5 * both.jnds[5]);
 }
@@ -198,7 +198,7 @@ TEST(PairDiscrimination, RefusesNonsense) {
 }
 
 TEST(DPrime, IsTheRootOfTwoOfAJnd) {
-  // A JND is told in 84 % of two-interval trials, whose d' is sqrt(2) z(0.84) by definition.
+  // A JND is discriminated in 84 % of two-interval trials, whose d' is sqrt(2) z(0.84) by definition.
   EXPECT_NEAR(dPrime(1), 1.414, 1e-3);
   EXPECT_EQ(dPrime(0), 0);
 }

@@ -66,7 +66,7 @@ TEST(Sequence, IsTheSameForTheSameSeedAndParticipant) {
   }
 }
 
-/// Studies that are under way depend on it: a sequence that changes with the program would go on elsewhere.
+/// Running studies depend on it: a sequence that changes with the program would continue elsewhere.
 TEST(Sequence, StaysWhatItHasBeen) {
   StudyBlock block = aBlock(5, 1);
   block.task = TaskKind::kRandomOrder;

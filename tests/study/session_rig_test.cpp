@@ -78,7 +78,7 @@ TEST_F(SessionRigTest, EveryIntervalIsSummedUpByItself) {
   rig_->show(block(), {.name = "Moon"});
   ASSERT_TRUE(soon([&] { return rig_->ready(); }));
   // An interval lasts no longer than the ticks from its beginning to its end, however late a busy machine looks; their
-  // number is told some ticks late.
+  // number is reported a few ticks late.
   const auto ticks_s = [&](std::uint64_t since) {
     return 0.5 + 1e-3 * static_cast<double>(session_->loopTicks() - since);
   };

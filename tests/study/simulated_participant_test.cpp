@@ -131,14 +131,14 @@ TEST(StudyPlan, MoreAnswersMakeNarrowerIntervalsAndMorePower) {
   EXPECT_GT(outcomes[2].power->value, 0.75);
 }
 
-// Where people differ, a Weber fraction is not told from itself more often than the interval is wrong.
+// If participants differ, a Weber fraction is not distinguished from itself more often than the interval is wrong.
 TEST(StudyPlan, DoesNotTellAWeberFractionFromItself) {
   const PlanOutcome same =
       planStudy(frictionBlock(), {{8, 6}}, {.spread = 0.6, .against = 0.29, .studies = 60}).front();
   EXPECT_LE(same.power->value, 0.15) << "5 % of 60 studies are 3, give or take 1.7";
 }
 
-// Of people with so many answers that each one's Weber fraction is known, the t test over ln w has exact power.
+// With so many responses that each participant's Weber fraction is known, the t test over ln w has exact power.
 TEST(StudyPlan, HasThePowerOfATTestWhereEachPersonIsKnownWell) {
   constexpr int kPeople = 8;
   constexpr double kSpread = 0.6, kAgainst = 0.5;

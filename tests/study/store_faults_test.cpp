@@ -39,7 +39,7 @@ using StoreFaults = AStudy;
 
 constexpr uid_t kNobody = 65534;
 
-/// Runs `work` in a process of its own, as nobody if this is root; true when it returned true.
+/// Runs `work` in a separate process, unprivileged if this is root; true when it returned true.
 bool asSomebodyElse(const std::function<bool()>& work) {
   const pid_t child = fork();
   if (child == 0) {
@@ -69,7 +69,7 @@ void execute(const fs::path& file, const std::string& sql) {
 // --- kills
 // ------------------------------------------------------------------------------------------------------------
 
-/// Goes on with a study where it is, as the program does after a crash, until somebody ends it.
+/// Resumes a study, as the program does after a crash, until it is killed.
 [[noreturn]] void answerUntilKilled(const fs::path& file, const Pipe& pipe) {
   StudyStore store(file, Access::kRun);
   const std::int64_t id = store.participants().front().id;
@@ -118,7 +118,7 @@ TEST_F(StoreFaults, AKillAtAnyMomentLosesNoAnswerAndDoublesNone) {
         EXPECT_EQ(row.answer->reaction_s, 0.25 * row.index);
       }
     }
-    // All that was told is there, once and in its order; of what was not told, at most the last answer.
+    // All confirmed responses are there, once and in order; of unconfirmed ones at most the last.
     for (std::size_t i = 0; i < kept.size(); ++i) {
       ASSERT_EQ(kept[i], static_cast<int>(i));
     }
@@ -135,7 +135,7 @@ TEST_F(StoreFaults, AKillAtAnyMomentLosesNoAnswerAndDoublesNone) {
 // -------------------------------------------------------------------------------------------------------
 
 TEST_F(StoreFaults, AFullDiskIsAClearErrorAndLosesNothing) {
-  // A limit on the size of files stands for the disk, in a process of its own.
+  // A limit on the size of files replaces the full disk, in a separate process.
   const pid_t child = fork();
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
@@ -148,7 +148,7 @@ TEST_F(StoreFaults, AFullDiskIsAClearErrorAndLosesNothing) {
     const bool clear = message.find("the disk is full or failing: make room") != std::string::npos;
     const rlimit room{RLIM_INFINITY, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &room);
-    const std::int64_t begun = store.beginTrial(trial(id, 1));  // the same store goes on once there is room
+    const std::int64_t begun = store.beginTrial(trial(id, 1));  // the store continues once there is room
     setrlimit(RLIMIT_FSIZE, &full);
     const bool again = messageOf<Failure>([&] { store.answerTrial(begun, answer(2)); }) != "no error";
     setrlimit(RLIMIT_FSIZE, &room);
@@ -195,7 +195,7 @@ TEST_F(StoreFaults, AReadOnlyFileIsReadAndNotRun) {
   }));
 }
 
-/// What its owner does to let others read a study.
+/// Grants others access to a study, as its owner does.
 void letOthersRead(const fs::path& file) {
   fs::permissions(file, fs::perms::group_read | fs::perms::others_read, fs::perm_options::add);
 }

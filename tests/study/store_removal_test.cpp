@@ -1,4 +1,4 @@
-// What stays of a participant who is removed: nothing, whoever reads, and whenever the program is killed.
+// Nothing stays of a removed participant, for any reader, and whenever the program is killed.
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
@@ -46,7 +46,7 @@ std::string bytesOf(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// A study with somebody whose strings stand nowhere else.
+/// A study with a participant whose strings are unique.
 class StoreRemoval : public AStudy {
  protected:
   static constexpr std::string_view kCode = "Qzx7", kName = "Adalovelace", kSaid = "wackelpudding";
@@ -56,7 +56,7 @@ class StoreRemoval : public AStudy {
     return recordingsFolder(file_) / fmt::format("{}-friction-{:03}-1-first.h5", kCode, trial);
   }
 
-  /// Somebody with answers of every kind, notes and recordings; others before and after.
+  /// A participant with responses of every kind, notes and recordings; others before and after.
   std::int64_t somebody(StudyStore& store) const {
     const std::int64_t before = store.addParticipant("").id;
     const std::int64_t id = store.addParticipant(kCode).id;
@@ -105,7 +105,7 @@ TEST_F(StoreRemoval, LeavesNoTraceInAnyFile) {
   ASSERT_EQ(store.removals().size(), 1U);
   EXPECT_EQ(store.removals()[0].reason, "withdrew");
   EXPECT_NE(store.removals()[0].done_at, "");
-  store.addParticipant("");  // the store goes on
+  store.addParticipant("");  // the store continues
 }
 
 TEST_F(StoreRemoval, LeavesNoTraceOfPersonalAnswers) {
@@ -194,7 +194,7 @@ TEST_F(StoreRemoval, GivesNoNumberAndNoCodeASecondTime) {
   const ParticipantRow next = store.addParticipant("");
   EXPECT_EQ(next.code, "S10");
   EXPECT_GT(next.number, last);
-  EXPECT_EQ(store.addParticipant("S03").code, "S03");  // nobody ever had it
+  EXPECT_EQ(store.addParticipant("S03").code, "S03");  // it was never used
   EXPECT_THAT(bytesOf(file_) + bytesOf(file_.string() + "-wal"), Not(HasSubstr("pilot7")));
 }
 
@@ -341,7 +341,7 @@ TEST_F(StoreRemoval, AKillAtAnyMomentLeavesAllOrNothing) {
     pipe.closeWriting();
     ASSERT_EQ(pipe.listen(), 0);
     const auto begun = std::chrono::steady_clock::now();
-    if (kill_number > 0) {  // the first tells how long it takes
+    if (kill_number > 0) {  // the first measures its duration
       std::this_thread::sleep_for(whole * (random() % 1000) / 1000);
       kill(child, SIGKILL);
     }

@@ -64,7 +64,7 @@ class StudyMessages : public testing::Test {
 };
 
 TEST_F(StudyMessages, TellsThePageHowLateThePictureIs) {
-  const std::string late = kTwoBlocks + "visual_delay_s = 0.5\n";  // of the last block
+  const std::string late = kTwoBlocks + "visual_delay_s = 0.5\n";  // in the last block
   TearDown();
   StudyStore::create(file_, loadProtocolText(late, "test"), late, 7);
   store_ = std::make_unique<StudyStore>(file_, StudyStore::Access::kRun);

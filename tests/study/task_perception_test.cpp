@@ -24,7 +24,7 @@ StudyProtocol quick(const char* name, std::initializer_list<std::size_t> levels)
   return protocol;
 }
 
-/// Soil that reaches higher or less high, a ball that is lowered to the same height whatever the soil's.
+/// Soil of different heights, and a sphere that is lowered to one height for all.
 StudyProtocol heights() {
   StudyProtocol protocol = loadProtocolText(
       "title = 'T'\nscene = 'buried-stone'\n[[block]]\nname = 'a'\nquestion = 'q'\nanswers = ['1', '2']\n"

@@ -37,7 +37,7 @@ class TaskStudy : public testing::TestWithParam<const char*> {
     return folder_ / name;
   }
 
-  /// Begins, or goes on where the participant was, and takes part until the end.
+  /// Begins or resumes, and takes part until the end.
   static void takePart(const fs::path& file) {
     StudyStore store(file, StudyStore::Access::kRun);
     RigWithoutBed rig;
@@ -106,7 +106,7 @@ TEST_P(TaskStudy, LosesNoAnswerAndDoublesNoneWhenTheProgramIsKilled) {
 TEST(TaskStudyFit, KnowsTheMiddleOfACurveWhoseLevelsAllLieOnOneSide) {
   StudyBlock block = loadProtocolText(findProtocol("buried-stone").text, "buried-stone").blocks.front();
   EXPECT_EQ(fitOptionsOf(block).threshold, block.reference.value);
-  block.task = TaskKind::kReferenceFirst;  // who favours an answer has a middle elsewhere
+  block.task = TaskKind::kReferenceFirst;  // a response bias shifts the centre
   EXPECT_FALSE(fitOptionsOf(block).threshold.has_value());
   const StudyBlock both_sides = loadProtocolText(findProtocol("firm-ground").text, "firm-ground").blocks.front();
   EXPECT_FALSE(fitOptionsOf(both_sides).threshold.has_value());

@@ -280,7 +280,7 @@ TEST_F(TeleopStudy, ThePreregistrationSaysWhatIsMeasured) {
   EXPECT_THAT(text, testing::Not(HasSubstr("psychometric")));
 }
 
-/// Somebody's main trials in two blocks, as they were measured.
+/// A participant's main trials in two blocks.
 void takePart(StudyStore& store, const std::map<std::string, std::vector<double>>& times_s, const std::string& trust) {
   const std::int64_t person = store.addParticipant("").id;
   std::size_t block = 0;

@@ -53,7 +53,7 @@ TEST(PacketSeal, ForgedIsWhatHasAnotherKeyAByteChangedOrIsOfAnotherRun) {
   }
   EXPECT_EQ(other.open(stranger.seal({1})).proof, PacketSeal::Proof::kForged);
   EXPECT_EQ(other.open({}).proof, PacketSeal::Proof::kForged);
-  PacketSeal later(kKey);  // the same end, started again
+  PacketSeal later(kKey);  // this end, restarted
   EXPECT_EQ(later.open(good).proof, PacketSeal::Proof::kForged) << "of the run before";
   EXPECT_EQ(other.open(good).proof, PacketSeal::Proof::kFresh);
 }
@@ -65,7 +65,7 @@ TEST(PacketSeal, WithoutAKeyAddsNothing) {
   EXPECT_THROW(PacketSeal("not a key"), InvalidParameter);
 }
 
-/// A robot and whoever sends to it, over real sockets of this machine.
+/// A robot and its sender, over real sockets of this machine.
 class Ends : public testing::Test {
  protected:
   void begin(const std::string& key) {
@@ -145,10 +145,10 @@ TEST_F(Ends, WhatTheRobotSeesComesToItsOperatorAlone) {
     seen.columns = 2;
     seen.rows = 1;
     seen.steps = {10, -10};
-    server_->show(seen);  // to nobody yet
+    server_->show(seen);  // no receiver yet
     ASSERT_TRUE(until([&] { return end.news().heard; }, &end));
     EXPECT_TRUE(end.site().empty());
-    seen.index = 1000000;  // by the commands of somebody who was there before
+    seen.index = 1000000;  // by the commands of an earlier operator
     const std::uint64_t before = end.counts().replayed;
     EXPECT_TRUE(until(
         [&] {

@@ -33,7 +33,7 @@ TEST(ForceSensor, TellsNothingOfItsBiasAndItsToolOnceItIsTared) {
   parameters.centre_of_mass_m = {0.02, 0, 0.01};
   ForceSensor sensor(parameters, kMoon, kTick_s);
   tare(sensor);
-  for (int i = 0; i < 100; ++i) {  // turned about, too
+  for (int i = 0; i < 100; ++i) {  // also rotated
     const Quat turned(Eigen::AngleAxisd(0.03 * i, Vec3(1, 2, 3).normalized()));
     const Wrench told = sensor.read({}, still(turned));
     EXPECT_LT(told.force_n.norm(), 1e-12);

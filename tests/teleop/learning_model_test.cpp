@@ -15,7 +15,8 @@ const StrengthMap& strengths() {
   return kStrengths;
 }
 
-/// A blade 35 mm deep that goes on and on at 30 mm/s; from so far on it meets `met` times what was felt.
+/// A blade 35 mm deep that moves steadily at 30 mm/s; from a distance on the remote force is `met` times the displayed
+/// one.
 class Cutting {
  public:
   explicit Cutting(LearningModel& model, const Vec3& displayed_n = {-10, 0, 1}) : felt_n_(displayed_n), model_(model) {}
@@ -29,7 +30,7 @@ class Cutting {
     report.met.force_n = met * felt_n_;
     waiting_.push_back({index + late, report});
   }
-  /// Goes on to a tick, and notes all steps on the way.
+  /// Advances to a tick, and records all steps on the way.
   void goOn(std::uint64_t to, bool in_air = false) {
     for (; now_ < to; ++now_) {
       for (; !waiting_.empty() && waiting_.front().arrives <= now_; waiting_.erase(waiting_.begin())) {
@@ -107,7 +108,7 @@ TEST(LearningModel, BecomesWeakerWhileTheToolIsLiftedOrInStepsThatNobodyFeels) {
       << "each stretch was felt in soil that was not weaker yet";
 }
 
-// Where an edge goes in, soil pushes it up. That grows with strength otherwise than the force of a cut.
+// A penetrating edge is pushed up by soil. That force depends on strength differently from the force of a cut.
 TEST(LearningModel, LearnsFromCutsAlone) {
   for (const Vec3& displayed_n : {Vec3(0, 0, 8), Vec3(4, 0, 10), Vec3(-5, 0, 8), Vec3(0, 8, 0)}) {
     LearningModel model(digModel(), strengths());

@@ -35,7 +35,7 @@ TEST(LinkProfiles, HaveTheRoundTripsThatTheyAreKnownFor) {
   EXPECT_DOUBLE_EQ(findLinkProfile("earth-moon").roundTrip(), 2.6);
   EXPECT_DOUBLE_EQ(findLinkProfile("earth-moon-relay").roundTrip(), 5);
   EXPECT_NEAR(findLinkProfile("earth-moon-relay").up.meanLoss(), 0.03, 1e-12);
-  // Light over 384 400 km, there and back.
+  // Light over 384 400 km, round trip.
   EXPECT_GT(findLinkProfile("earth-moon").roundTrip(), 2 * 384.4e6 / 299792458.0);
 }
 

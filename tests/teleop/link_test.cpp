@@ -32,7 +32,7 @@ struct Came {
   double took_s;
 };
 
-/// So many packets, one each `interval_s`; those that came, in the order in which they did.
+/// Sends a number of packets, one each `interval_s`; returns those received, in order of arrival.
 std::vector<Came> through(Link& link, int packets, double interval_s = kInterval_s) {
   std::vector<Came> came;
   const auto take = [&](double until_s) {
@@ -262,7 +262,7 @@ TEST(Link, LosesInBurstsOfTheLengthOfGilbertAndElliott) {
     bursts += packet.number > next ? 1 : 0;
     next = packet.number + 1;
   }
-  // Some 5000 bursts, whose lengths spread as much as they are long.
+  // About 5000 bursts, with an SD of the lengths equal to their mean.
   EXPECT_NEAR(static_cast<double>(lost) / kPackets, 0.3, 0.02);
   EXPECT_NEAR(static_cast<double>(lost) / bursts, 25, 5 * 25 / std::sqrt(bursts));
 }

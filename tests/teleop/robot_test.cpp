@@ -31,7 +31,7 @@ class RobotOverSoil : public testing::Test {
     robot_.emplace(parameters, *scene_, scene_->bed().surfaceHeight(), kHome);
   }
 
-  /// Where the hand is: at home, or moved from there by what a test asks for.
+  /// Pose of the hand: at home, or displaced by a test.
   static Keyframe at(std::uint64_t index, const Vec3& position_m, const Vec3& velocity_m_s = Vec3::Zero()) {
     Keyframe key;
     key.index = index;

@@ -280,7 +280,7 @@ TEST(TeleopSimulation, AHandThatLetsGoStopsTheRobotAndIsGivenNothing) {
   EXPECT_GT(result.agreement.rmsMet(0, 4), 0) << "it had begun";
   EXPECT_LT(result.followed_share, 0.4);
   EXPECT_LE(result.given_j, 1e-3);
-  setup.lets_go_s = 0;  // nobody was ever there
+  setup.lets_go_s = 0;  // no hand was ever there
   EXPECT_EQ(simulateTeleop(setup).followed_share, 0);
   setup.task = SiteTask::kPress;
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);
@@ -320,7 +320,7 @@ TEST(ForceAgreement, IsTheRootOfMeanSquaresOfWindowsInAnyOrder) {
     const double met = i <= 20 ? 4 : 2;
     agreement.add(0.02 * i, 0.02, {met + 1, 0, 0}, {met, 0, 0});
   }
-  agreement.add(0.82, 0.02, {100, 0, 0}, {1, 0, 0});  // of a window that is not known
+  agreement.add(0.82, 0.02, {100, 0, 0}, {1, 0, 0});  // an unknown window
   ASSERT_EQ(agreement.windows().size(), 4U);
   EXPECT_NEAR(agreement.windows()[0].time_s, 0.1, 1e-12);
   EXPECT_NEAR(agreement.rmsMet(0, 1), std::sqrt((16 + 4) / 2.0), 1e-12);

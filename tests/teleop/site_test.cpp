@@ -189,7 +189,7 @@ TEST(SiteCamera, TellsTheWholeSiteAndThenFirstWhatChanges) {
     }
     EXPECT_NEAR(sum_m / static_cast<double>(map.heights().size()), 0, 1e-3) << "over the site's zero";
   }
-  // A grain that is put elsewhere: its part comes next, whichever was told longest ago.
+  // A grain that is put elsewhere: its part comes next, whichever was sent longest ago.
   SiteCamera camera(scene.bed(), surface_m, 0.01, kTick_s);
   std::vector<std::pair<std::size_t, std::size_t>> told;
   const auto look = [&](int ticks) {

@@ -40,7 +40,7 @@ struct Site {
       ASSERT_EQ(scene.tick(kAway), StepStatus::kOk);
     }
   }
-  /// How far its surface is from another where that is known, RMS.
+  /// RMS difference of its surface from a known one.
   [[nodiscard]] double apart(const std::vector<double>& wanted_m, const std::vector<bool>& where) const {
     const std::vector<double> now_m = heights();
     double sum = 0, count = 0;
@@ -115,7 +115,7 @@ TEST(MovesTowards, LeaveSoilWhoseSurfaceIsAsWantedOrIsNotKnownOrHasNowhereToGo) 
   EXPECT_LT(moves(level_m), 5U) << "grains are no smoother";
 }
 
-/// A camera's map of a level site of which a strip has been dug and heaped up beside it.
+/// A camera's map of a level site with a dug strip and a pile next to it.
 SiteMap dugSite(const Site& site, std::uint64_t command) {
   SiteMap map;
   std::uint64_t number = 0;

@@ -13,7 +13,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTick_s = 1e-3;
 const HeightGrid kGrid{-0.12, -0.14, 0.005, 48, 56};
 
-/// A map with a pit from these cells on, so many long along x and wide along y.
+/// A map with a pit from these cells on, with its length along x and width along y.
 std::vector<double> pit(std::size_t column, std::size_t row, std::size_t columns, std::size_t rows, double depth_m) {
   std::vector<double> heights(kGrid.cells(), 0.002);
   for (std::size_t y = row; y < row + rows; ++y) {
@@ -50,7 +50,7 @@ RobotReport report(double height_m, double force_n, std::uint32_t ticks = 20) {
   return report;
 }
 
-/// Reports of so many seconds, all alike.
+/// Equal reports over a duration.
 void tell(TaskJudge& judge, double duration_s, double height_m, double force_n) {
   for (int i = 0; i < static_cast<int>(std::lround(duration_s / (20 * kTick_s))); ++i) {
     judge.met(report(height_m, force_n), kTick_s);

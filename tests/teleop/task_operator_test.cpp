@@ -15,7 +15,7 @@ constexpr double kTick_s = 1e-3;
 const Pose kHome{{0, 0, 0.08}, Quat::Identity()};
 const HeightGrid kGrid{-0.08, -0.08, 0.01, 16, 16};
 
-/// Heights of a site whose soil in the middle is dug so deep.
+/// Heights of a site with a hole of this depth at the centre.
 std::vector<double> dug(double depth_m) {
   std::vector<double> heights(kGrid.cells(), 0);
   for (std::size_t cell = 0; cell < heights.size(); ++cell) {

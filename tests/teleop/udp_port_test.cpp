@@ -51,7 +51,7 @@ TEST(UdpPort, GoesOnWhenNothingListensThere) {
     gone = addressOf(closed);
   }
   one.send(gone, {1});
-  one.send("[::1]:9", {1});  // of another protocol
+  one.send("[::1]:9", {1});  // another protocol
   EXPECT_FALSE(one.receive());
   other.send(addressOf(one), {2});
   EXPECT_TRUE(received(one));

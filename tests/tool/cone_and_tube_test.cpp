@@ -47,7 +47,7 @@ void expectContact(const ToolParameters& tool, const Vec3& centre_mm, double dep
   EXPECT_EQ(found.side, 0);
 }
 
-/// The same for a cone by search: the nearest of many points on its side and shaft, and whether it holds the centre.
+/// As above for a cone by search: the nearest of many points on its side and shaft, and whether it holds the centre.
 double distanceBySearch(const ToolParameters& tool, const Vec3& centre_m) {
   const double rim = tool.diameter_m / 2;
   const double height = rim / std::tan(tool.cone_angle_rad / 2);

@@ -173,7 +173,7 @@ TEST(ContactFrictionScene, GoesOnBitForBitWithATool) {
   EXPECT_EQ(stateHash(first.bed().state()), stateHash(second.bed().state()));
 }
 
-/// What the springs between tool and soil hold, in J.
+/// Energy of the springs between tool and soil, in J.
 double toolEnergy(const Scene& scene) {
   const BedState& state = scene.bed().state();
   const double k = scene.tool().stiffness_n_m;

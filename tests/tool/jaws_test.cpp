@@ -42,7 +42,7 @@ Vec3 vec(const Float4& f) {
   return {f.x, f.y, f.z};
 }
 
-/// How a tool moves.
+/// Motion of a tool.
 struct Motion {
   Twist twist;
   double opening_m_s = 0;
@@ -296,7 +296,7 @@ TEST(Jaws, ObeyNewtonsThirdLaw) {
 }
 
 TEST(Jaws, GiveTheSoilThePowerThatTheirWrenchAndTheirGripTake) {
-  // What tool and particles do together goes into the springs and dampers: for each contact the force times how fast it
+  // The work of tool and particles goes into the springs and dampers: for each contact the force times how fast it
   // deepens, which is measured here by going a little back and forth.
   std::mt19937_64 random(5);
   const Pose pose{Vec3::Zero(), Quat(Eigen::AngleAxisd(0.5, Vec3(1, -1, 2).normalized()))};

@@ -41,7 +41,7 @@ TEST(MeshContact, ADirectionIsWithinSeventeenDegreesOfItsCode) {
     ASSERT_GE(code, 1);
     ASSERT_LE(code, 225);
     worst = std::min(worst, directionOf(code).dot(direction));
-    // Where the octahedron is unfolded, a direction has two numbers.
+    // At the seams of the unfolded octahedron a direction has two numbers.
     ASSERT_NEAR(directionOf(directionCode(directionOf(code))).dot(directionOf(code)), 1, 1e-12)
         << direction.transpose();
   }
@@ -72,7 +72,7 @@ TEST(MeshContact, MeetsAParticleOutsideAsTheExactBoxDoes) {
   EXPECT_GT(met, 3000);
 }
 
-/// Presses a particle down through the middle of a wall, and tells how deep it says it is, at each place.
+/// Presses a particle down through the centre of a wall, and returns its depth at each place.
 TEST(MeshContact, AParticleThatIsPressedIntoAThinWallStaysOnItsSide) {
   constexpr double kWall_m = 1e-3;
   const DistanceField field = fieldOf(boxOf({0.06, 0.06, kWall_m}));

@@ -36,7 +36,7 @@ PlacedStone rock(double size_m) {
   return {.size_m = size_m, .seed = 5};
 }
 
-/// Flat and wide: a rock on a plate goes on rocking for long, since rolling costs it nothing.
+/// Flat and wide: a rock on a plate keeps rocking for long, because rolling is free of losses.
 PlacedStone slab() {
   PlacedStone stone{.form = StoneForm::kSpheres};
   for (const double x : {-0.01, 0.0, 0.01}) {

@@ -96,7 +96,7 @@ TEST(ToolContact, OneParticleUnderTheShovel) {
 }
 
 TEST(ToolContact, TurnsWithTheTool) {
-  // The same, with the tool's z turned to the scene's x: the particle stands on the tool's upper face, towards +x.
+  // As above, with the tool's z turned to the scene's x: the particle is on the tool's upper face, towards +x.
   const Pose upright{Vec3(0.01, 0.02, 0.03), Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()))};
   Crowd crowd;
   crowd.add(upright.fromBody(Vec3(0.012, 0, 0.0085)));

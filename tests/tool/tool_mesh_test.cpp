@@ -46,7 +46,7 @@ ToolParameters shovel(double thickness_m) {
   return tool;
 }
 
-/// The same tool, known by its mesh alone.
+/// The tool defined by its mesh alone.
 ToolParameters drawn(const ToolParameters& exact) {
   ToolParameters tool = exact;
   tool.shape = ToolShape::kMesh;
@@ -149,7 +149,8 @@ class Shadow {
   std::vector<Float4> slip_, forces_;
 };
 
-/// Where a hand has the shovel that scoops: down with the edge first, along, and up level; or that stirs in circles.
+/// Poses of a hand that scoops with the shovel: down with the edge first, along, and up level; or that stirs in
+/// circles.
 HandState moving(bool scoops, double time_s, double surface_m) {
   const auto pose = [&](double t) -> Pose {
     const double phase = std::numbers::pi * t;
@@ -197,7 +198,7 @@ TEST(ToolMesh, ShovelFeelsTheSameSoilAsTheExactOne) {
   }
 }
 
-/// How many particles pass from one side of an upright plate to the other without going round it.
+/// Number of particles that pass from one side of an upright plate to the other without going round it.
 int passages(const BedParameters& bed, const ToolParameters& tool, const Vec3& size_m, double speed_m_s) {
   Scene scene(bed, tool);
   const double middle_m = 0.6 * scene.bed().surfaceHeight();

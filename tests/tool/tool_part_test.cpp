@@ -22,7 +22,7 @@ std::shared_ptr<const ToolMesh> made(const std::vector<ToolPart>& parts) {
                   kReach_m);
 }
 
-/// Of a closed surface whose triangles go counter-clockwise seen from outside.
+/// Volume of a closed surface whose triangles are counter-clockwise seen from outside.
 double volumeOf(const TriangleMesh& mesh) {
   double six_m3 = 0;
   for (const auto& triangle : mesh.triangles) {

@@ -50,7 +50,7 @@ TEST(Box, SmallFaces) {
 }
 
 TEST(Box, EdgesAndCorners) {
-  // 3 mm beside and 4 mm above an edge: 5 mm from it, 2 mm of the sphere inside.
+  // 3 mm outside and 4 mm above an edge: 5 mm from it, 2 mm of the sphere inside.
   expectContact(kShovel, {28, 0, 6.5}, 2, {3, 0, 4}, 1);
   expectContact(kShovel, {0, -23, -6.5}, 2, {0, -3, -4}, -1);
   expectContact(kShovel, {28, 24, 0}, 2, {3, 4, 0}, 0);  // an upright edge
@@ -74,7 +74,7 @@ TEST(Sphere, MeasuresAlongTheLineOfCentres) {
 TEST(Plate, FacesRimAndEdge) {
   expectContact(plateTool(), {10, 10, 8.5}, 1, {0, 0, 1}, 1);
   expectContact(plateTool(), {10, 10, -8.5}, 1, {0, 0, -1}, -1);
-  expectContact(plateTool(), {21.6, 28.8, 1}, 1, {3, 4, 0}, 0);  // 36 mm from the axis: 6 mm beside the rim
+  expectContact(plateTool(), {21.6, 28.8, 1}, 1, {3, 4, 0}, 0);  // 36 mm from the axis: 6 mm outside the rim
   expectContact(plateTool(), {33, 0, 6.5}, 2, {3, 0, 4}, 1);     // over the edge
 }
 
@@ -112,7 +112,7 @@ TEST(Plate, ACentreOnTheRimToTheLastBitStillGivesANormal) {
 }
 
 TEST(Box, AParticleKeepsTheFaceItCameTo) {
-  // Pressed from above down to the lower face: the depth goes on growing, the normal stays.
+  // Pressed from above down to the lower face: the depth keeps growing, the normal stays.
   for (double z_mm = 9; z_mm > -9; z_mm -= 0.25) {
     const Penetration pressed = penetration(kShovel, Vec3(0, 0, 1e-3 * z_mm), kRadius_m, 1);
     ASSERT_EQ(pressed.side, 1) << z_mm;

@@ -1,7 +1,7 @@
 using System;
 using System.Collections.Generic;
 
-/// <summary>Runs tests, each a sentence and what shows it, and tells which did not hold.</summary>
+/// <summary>Runs tests, each a sentence and its check, and reports failures.</summary>
 static class Expect
 {
   static readonly List<string> failed_ = new List<string>();

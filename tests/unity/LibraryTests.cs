@@ -7,7 +7,7 @@ using Haptolith;
 /// <summary>What the package does with the library that has been built.</summary>
 static unsafe class LibraryTests
 {
-  /// <summary>Soil that falls and has to come to rest.</summary>
+  /// <summary>Soil that falls and has to settle.</summary>
   public const string Rain = "[bed]\nstart = 'rain'\nparticles = 300\n";
 
   /// <summary>What state_hash.c prints.</summary>

@@ -5,7 +5,7 @@ using Haptolith;
 /// <summary>
 /// Program.exe hash | dig     prints what examples/c/state_hash.c and dig.c print.
 /// Program.exe tests HASH     runs the tests; HASH is what state_hash.c has printed.
-/// Program.exe cost           tells what a step costs through C#.
+/// Program.exe cost           prints the cost of a step through C#.
 /// </summary>
 static unsafe class Program
 {

@@ -3,13 +3,13 @@ using System.IO;
 using System.Threading;
 using Haptolith;
 
-/// <summary>Lives in a domain of its own, as a script does between two reloads of Unity's editor.</summary>
+/// <summary>Lives in a separate domain, as a script does between two reloads of Unity's editor.</summary>
 sealed class Script : MarshalByRefObject
 {
   static Scene scene_;
   static Loop loop_;
 
-  /// <summary>Leaves a scene and a running loop behind, and tells where they are.</summary>
+  /// <summary>Leaves a scene and a running loop behind, and returns their addresses.</summary>
   public long[] Play()
   {
     scene_ = Scene.FromToml("[bed]\nparticles = 256\n");

@@ -3,7 +3,7 @@ using System.Threading;
 using Haptolith;
 using UnityEngine;
 
-/// <summary>The package's sample, called as Unity would call it, with a stand-in for Unity.</summary>
+/// <summary>The package's sample, called as Unity would call it, with a mock of Unity.</summary>
 static class SampleTests
 {
   static int Main()

@@ -102,7 +102,7 @@ namespace UnityEngine
     public Quaternion rotation;
   }
 
-  /// <summary>Knows where it is and how large, which is what the test looks at.</summary>
+  /// <summary>Position and size, for the test.</summary>
   public struct Matrix4x4
   {
     public Vector3 position, scale;

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Compiles the C# package with Debian's mono and looks at what it does: run.sh HOW BUILD_FOLDER WORK_FOLDER
+# Compiles the C# package with Debian's mono and checks it: run.sh HOW BUILD_FOLDER WORK_FOLDER
 #   layout   structs lie in memory as in C
 #   library  the package's tests, and the same hash and forces as the examples in C
-#   sample   the same package as Unity compiles it, with a stand-in for Unity, and the sample
+#   sample   the same package as Unity compiles it, with a mock of Unity, and the sample
 # Without mcs and mono it is skipped, with status 77.
 set -euo pipefail
 how=$1 build=$2 work=$3

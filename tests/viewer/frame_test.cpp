@@ -300,7 +300,7 @@ TEST(Frame, ShowsWhatATurnedDeviceIsSentInTheScenesAxes) {
   EXPECT_NEAR(frame.real(52), device.sent_.force_n.z(), 1e-6);
 }
 
-// The same bytes as web/tests/unit/protocol.test.ts reads.
+// The bytes that web/tests/unit/protocol.test.ts reads.
 TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   SceneSnapshot snapshot = still(40, 12.345);
   snapshot.scene_T_tool = {Vec3(0.01, -0.02, 0.03), Quat(std::sqrt(0.5), 0, std::sqrt(0.5), 0)};

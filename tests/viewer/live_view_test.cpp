@@ -32,7 +32,7 @@ namespace {
 using namespace std::chrono_literals;
 using Json = nlohmann::json;
 
-/// A guest that greets, and lets the tool be held until it is told otherwise, but nothing else be done.
+/// A guest that greets, and permits holding the tool until it is changed, but nothing else.
 struct TalkingExtension {
   LiveView* view = nullptr;
   std::atomic<std::uint32_t> left{0};
@@ -453,7 +453,7 @@ class Handle final : public HapticDevice {
 class PersonInLiveViewTest : public LiveViewTest {
  protected:
   PersonInLiveViewTest() : LiveViewTest(false, LiveView::Clients::kCommand, heldHandle()) {}
-  /// Held from the first tick on: one that is not held yet is let go first, after a picture in which it is felt.
+  /// Held from the first tick on: one that is not held yet is released first, after a picture with its force.
   static std::unique_ptr<HapticDevice> heldHandle() {
     held() = true;
     return std::make_unique<Handle>(held());

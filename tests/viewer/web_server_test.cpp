@@ -74,7 +74,7 @@ TEST_F(WebServerTest, ServesThePageAndNothingElse) {
   EXPECT_EQ(WsClient::get(server_.port(), "/", {}, http::verb::delete_).first, 405U);
 }
 
-/// A folder with a recording, and a file beside it that is none.
+/// A folder with a recording, and another file next to it.
 class RecordingsTest : public testing::Test {
  protected:
   RecordingsTest() {
@@ -284,7 +284,7 @@ TEST_F(WebServerTest, WhoSendsMoreThanMayWaitIsDroppedAndWithItWhatWaits) {
   WsClient client(server_.port());
   ASSERT_EQ(client.upgrade(), 101U);
   (void)client.receive();
-  for (int i = 0; i < 9; ++i) {  // eight may wait, and nobody takes them
+  for (int i = 0; i < 9; ++i) {  // eight may wait, and none is taken
     client.send(std::string(16384, 'x'));
   }
   EXPECT_EQ(client.receive(), std::nullopt);
@@ -366,7 +366,7 @@ TEST_F(WebServerTest, AClientThatDoesNotReadGetsNoQueueAndHoldsUpNobody) {
   EXPECT_EQ(received.back(), "49");
 }
 
-/// What the server answers to these bytes, until it hangs up.
+/// Answer of the server to these bytes, until it hangs up.
 std::string answerTo(std::uint16_t port, const std::string& request) {
   boost::asio::io_context io;
   boost::asio::ip::tcp::socket socket(io);

@@ -16,7 +16,7 @@
 
 namespace haptolith {
 
-/// A browser's side of the WebSocket, or what somebody with bad intentions makes of it. Everything ends after ten
+/// A browser's side of the WebSocket, also with hostile input. Everything ends after ten
 /// seconds.
 class WsClient {
  public:
@@ -68,7 +68,7 @@ class WsClient {
   }
   [[nodiscard]] bool gotText() const { return stream_.got_text(); }
 
-  /// The next text of a type, frames and others left out. But a scene, which is told once, is kept for whoever asks
+  /// The next text of a type, frames and others left out. But a scene, which is sent once, is kept for later queries
   /// next: it may come before the reply to what has changed it.
   std::optional<nlohmann::json> receive(const std::string& type) {
     if (type == "scene" && !scenes_.empty()) {
@@ -117,7 +117,7 @@ class WsClient {
   }
 
  private:
-  /// Asks again by hand: the library does not tell with what it was refused.
+  /// Repeats the request by hand: the library does not report the reason of a refusal.
   [[nodiscard]] unsigned refusal() const {
     namespace http = boost::beast::http;
     http::request<http::empty_body> request(http::verb::get, target_, 11);

@@ -1,5 +1,5 @@
-// A stand-in for those classes of CHAI3D 3.3 that haptolith/chai3d.hpp builds on: their names and what they do, in few
-// lines of our own. With CHAI3D_DIR the same tests run with the real ones.
+// Mocks of the classes of CHAI3D 3.3 that haptolith/chai3d.hpp uses: their names and behaviour, in few
+// lines. With CHAI3D_DIR the same tests run with the real ones.
 #pragma once
 
 #include <array>
@@ -81,7 +81,7 @@ struct cColorf {
 };
 struct cRenderOptions {};
 
-/// Deletes its children, and tells nobody that it is gone itself.
+/// Deletes its children, without notifying any observer of its own end.
 class cGenericObject {
  public:
   cGenericObject() {
