@@ -130,6 +130,7 @@ TEST_F(LabValidateCommand, RefusesNonsenseWithItsPlace) {
   refused(kFall + "expected = 1\nwithin = 0.1\nfactor = 2\n", "2 of them");
   refused(kFall + "expected = 1\nwithin = 1.5\n", "claims.toml:10: ");
   refused(kFall + "expected = 1\nwithin = 0.1\nnonsense = 3\n", "nonsense");
+  refused(kFall + "expected = 1\nwithin = 0.1\nkind = 'tuned'\n", "independent, calibrated or consistency");
   refused(kFall + "expected = 1\nwithin = 0.1\nbody = 'Vulcan'\n", "Vulcan");
   refused(kFall + "expected = 1\nwithin = 0.1\n[claim.options]\ndepth_mm = 3\n", "depth_mm");
   refused(kFall + "expected = 1\nwithin = 0.1\n" + kFall + "expected = 1\nwithin = 0.1\n", "another claim");

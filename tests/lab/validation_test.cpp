@@ -13,6 +13,7 @@ namespace haptolith {
 namespace {
 
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -116,19 +117,23 @@ TEST(Validation, PageCountsLightsAndSaysWhatIsMissingAndWhy) {
   noted.note = "It is so.";
   Claim other_group = within(0.1);
   other_group.group = "Plates";
+  other_group.kind = ClaimKind::kCalibrated;
   const std::string page = validationPage({{within(0.1), judge(within(0.1), specimens({10, 10.2}))},
                                            {noted, judge(noted, specimens({20}))},
                                            {other_group, {}}},
                                           {"How it was made."}, true);
-  EXPECT_THAT(page, AllOf(HasSubstr("Of 3 claims 1 hold"), HasSubstr("1 fail"), HasSubstr("1 are not measured yet"),
-                          HasSubstr("How it was made."), HasSubstr("](validation-newton.svg)"),
-                          Not(HasSubstr("validation-plates")), HasSubstr("## Newton"), HasSubstr("## Plates"),
-                          HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
-                          HasSubstr("- `weight`: It is so."), HasSubstr("not measured yet |")));
+  EXPECT_THAT(
+      page, AllOf(HasSubstr("Of 2 independent claims 1 hold, 0 nearly hold and 1 fail. Not simulated yet: 1."),
+                  ContainsRegex(R"(\| independent: [^|]* \| 2 \| 1 \| 0 \| 1 \|)"),
+                  ContainsRegex(R"(\| calibrated: [^|]* \| 1 \| 0 \| 0 \| 0 \|)"), Not(HasSubstr("self-consistency")),
+                  HasSubstr("| all | 3 | 1 | 0 | 1 |"), HasSubstr("How it was made."),
+                  HasSubstr("](validation-newton.svg)"), Not(HasSubstr("validation-plates")), HasSubstr("## Newton"),
+                  HasSubstr("## Plates"), HasSubstr("| 10.1 ± 0.141 N | 1.01 ± 0.0141 | ± 10 % | 2 | 🟢 holds |"),
+                  HasSubstr("- `weight`: It is so."), HasSubstr("not simulated yet |")));
   noted.claim = "a | b";
   EXPECT_THAT(validationPage({{noted, {}}}, {}, false), HasSubstr("a \\| b |")) << "what would end a cell";
   EXPECT_THAT(validationPage({{within(0.1), judge(within(0.1), specimens({10}))}}, {}, false),
-              AllOf(Not(HasSubstr("![")), Not(HasSubstr("not measured"))));
+              AllOf(Not(HasSubstr("![")), Not(HasSubstr("ot simulated yet"))));
 }
 
 TEST(Validation, GroupsKeepTheirOrderAndHaveFiguresOfTheirOwn) {

@@ -21,13 +21,19 @@ namespace {
 
 constexpr FileKind kClaims{.name = "file of claims",
                            .example_key = "claim",
-                           .document = "docs/how-to/test-a-soil.md",
+                           .document = "docs/reference/claims-file.md",
                            .left_out = "left out, so the default"};
 
 using ClaimKey = FileKey<MeasuredClaim>;
 
 ClaimRun& overOf(MeasuredClaim& m) {
   return m.over ? *m.over : m.over.emplace(m.run);
+}
+
+ClaimKind claimKindOf(std::string_view word) {
+  return word == "calibrated"    ? ClaimKind::kCalibrated
+         : word == "consistency" ? ClaimKind::kConsistency
+                                 : ClaimKind::kIndependent;
 }
 
 std::vector<ClaimKey> claimKeys() {
@@ -41,6 +47,11 @@ std::vector<ClaimKey> claimKeys() {
   return {
       {"", "id", "", Text{[](M& m, std::string_view v) { m.claim.id = v; }, kOnlyRead}, ""},
       {"", "group", "", Text{[](M& m, std::string_view v) { m.claim.group = v; }, kOnlyRead}, ""},
+      {"", "kind", "",
+       ClaimKey::WordValue{{"independent", "calibrated", "consistency"},
+                           [](M& m, std::string_view v) { m.claim.kind = claimKindOf(v); },
+                           kOnlyRead},
+       ""},
       {"", "claim", "", Text{[](M& m, std::string_view v) { m.claim.claim = v; }, kOnlyRead}, ""},
       {"", "reference", "", Text{[](M& m, std::string_view v) { m.claim.reference = v; }, kOnlyRead, TextSize::kPage},
        ""},

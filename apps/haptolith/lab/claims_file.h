@@ -33,8 +33,8 @@ struct MeasuredClaim {
   bool any_soil = false;             ///< whether it is a claim about soil of any kind
 };
 
-/// Reads the claims of a file (docs/how-to/test-a-soil.md); soil files that it names lie beside it. @throws TomlError
-/// for what is wrong in it, with its line; Failure when it cannot be read.
+/// Reads the claims of a file (docs/reference/claims-file.md); its soil files are relative to its folder.
+/// @throws TomlError for an invalid line; Failure when it cannot be read.
 [[nodiscard]] std::vector<MeasuredClaim> readClaims(const std::filesystem::path& path);
 
 /// Those of validation/.

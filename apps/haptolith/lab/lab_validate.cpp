@@ -368,17 +368,23 @@ void Validation::savePage() const {
   command += options_.soil.empty() ? "" : fmt::format(" --soil {}", options_.soil);
   command += options_.only.empty() ? "" : fmt::format(" --only '{}'", fmt::join(options_.only, ","));
   command += options_.seeds != ValidateOptions{}.seeds ? fmt::format(" --seeds {}", options_.seeds) : "";
-  const std::vector<std::string> introduction{
+  std::vector<std::string> introduction{
       fmt::format("    {}", command),
-      fmt::format("Each claim is a number of ours beside one that somebody else measured or calculated. {}\n"
-                  "haptolith {}; tests: {}, {:.1f} hours of one core.",
-                  options_.seeds > 1
-                      ? fmt::format("Values are means of {} specimens, or of more, ± is the standard\n"
-                                    "deviation of one, and n is how many gave a number.",
-                                    options_.seeds)
-                      : "Values are those of one specimen, so nothing is known of their spread; where n is more,\n"
-                        "they are means, and ± is the standard deviation of one specimen.",
-                  HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
+      fmt::format(
+          "{} haptolith {}; tests: {}, {:.1f} hours of one core.",
+          options_.seeds > 1
+              ? fmt::format("Values are means of {} specimens or more, ± is the SD of one specimen, and n is the\n"
+                            "number of specimens that gave a value.",
+                            options_.seeds)
+              : "Values are from one specimen, so their SD is unknown. Where n is larger, they are means,\n"
+                "and ± is the SD of one specimen.",
+          HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
+  if (options_.claims_file.empty()) {
+    introduction.push_back(
+        "Depth counts from the level surface (docs/reports/accuracy.md), except under Stiffness of contacts and in "
+        "tests\n"
+        "without a depth.");
+  }
   AtomicFile file({folder_->page(), IfThere::kReplace});
   file.write(validationPage(judgedClaims(), introduction, whole));
   file.commit();
@@ -410,7 +416,7 @@ void addValidate(CLI::App& lab) {
       "validate",
       "Claims about our soil beside what others measured and calculated, on one page; takes long, can be resumed");
   command->add_option("--claims", options->claims_file,
-                      "a file of claims (docs/how-to/test-a-soil.md) [all that come along]");
+                      "a file of claims (docs/reference/claims-file.md) [all that come along]");
   command->add_option("--soil", options->soil,
                       "claims about any soil, of this one: a named one, a soil file, or P1 to P6 [each claim's own]");
   command->add_option("--only", options->only, "these claims or groups of claims only")->delimiter(',');

@@ -177,7 +177,7 @@ std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
         "table.\n"
         "# NEARLY: what limits friction is Hertz' part, which is off by {:.0f} % (RMS) in this bed as it lies; walls "
         "are\n"
-        "# springs that do not cohere. docs/how-to/lammps.md says what that does to the soil's strength.\n",
+        "# springs that do not cohere. docs/reports/lammps.md reports the effect on the soil's strength.\n",
         100 * law.spread_of_fit);
   }
   if (!law.own) {

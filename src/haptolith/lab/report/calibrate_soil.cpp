@@ -112,7 +112,7 @@ SoilParameters withContact(SoilParameters soil, const ContactStrength& contact) 
 
 /// k with which a contact that carries the stress `pressure_pa` of its particle's cross-section gives way by 2.8 % of
 /// R, or 0.35 % where it does not stiffen as it gives: then strength at three times the stress is what it is when twice
-/// as stiff, within the scatter of specimens (docs/how-to/test-a-soil.md).
+/// as stiff, within the scatter of specimens (docs/explanation/contact-model.md).
 double stiffnessFor(double pressure_pa, double radius_m, DensityProfile density) {
   const double overlap = density == DensityProfile::kLunar ? 0.028 : 0.0035;
   return 4 * radius_m * pressure_pa / overlap;

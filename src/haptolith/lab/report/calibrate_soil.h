@@ -48,7 +48,7 @@ inline constexpr double kMostCohesion_pa = 4500;
 /// The shape of the contact law is that of lunar soil, whose density with depth it reproduces
 /// (docs/reference/soils.md), or a linear spring. Stiffness is such that a contact under the greatest normal stress of
 /// the shear test gives way by 2.8 % of R: contacts four times as stiff raise the residual angle by less than 2 degrees
-/// (docs/how-to/test-a-soil.md) and cost twice the steps. Linear springs, which do not stiffen as they give, give way
+/// (docs/explanation/contact-model.md) and cost twice the steps. Linear springs give way
 /// by 0.35 %. Contact friction and cohesion start from a table of simulated shear tests, and are then corrected by
 /// shear tests of this very soil (Broyden's method) until its line lies within 0.5 degrees and 6 % (or 20 Pa) of the
 /// target; the best of seven rounds is taken. rho0 and rho_max are scaled together until the mean density of the upper

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "haptolith/core/statistics.h"
 #include "haptolith/figure/figure.h"
@@ -175,7 +176,7 @@ std::string cell(std::string_view text) {
 
 std::string rowText(const JudgedClaim& judged) {
   const std::optional<ClaimOutcome>& outcome = judged.outcome;
-  std::string ours = "not measured yet";
+  std::string ours = "not simulated yet";
   std::string ratio = "-";
   std::string verdict = "-";
   std::string specimens = "-";
@@ -189,9 +190,56 @@ std::string rowText(const JudgedClaim& judged) {
                      cell(referenceText(judged)), cell(ours), ratio, toleranceText(judged.claim), specimens, verdict);
 }
 
-std::size_t count(const std::vector<JudgedClaim>& claims, ClaimLight light) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      claims, [&](const JudgedClaim& judged) { return judged.outcome && judged.outcome->light == light; }));
+/// Numbers of claims and of verdicts.
+struct ClaimCount {
+  std::size_t claims = 0;
+  std::size_t simulated = 0;
+  std::array<std::size_t, 3> lights{};  ///< index: ClaimLight
+};
+
+/// Counts claims of one kind; none: of all kinds.
+ClaimCount countClaims(const std::vector<JudgedClaim>& claims, std::optional<ClaimKind> kind) {
+  ClaimCount count;
+  for (const JudgedClaim& judged : claims) {
+    if (kind && judged.claim.kind != *kind) {
+      continue;
+    }
+    ++count.claims;
+    if (judged.outcome) {
+      ++count.simulated;
+      ++count.lights[static_cast<std::size_t>(judged.outcome->light)];
+    }
+  }
+  return count;
+}
+
+std::string countRow(std::string_view name, const ClaimCount& count) {
+  return fmt::format("| {} | {} | {} | {} | {} |\n", name, count.claims, count.lights[0], count.lights[1],
+                     count.lights[2]);
+}
+
+/// At most 15 lines: the verdicts by kind of claim.
+std::string summaryText(const std::vector<JudgedClaim>& claims) {
+  constexpr std::array<std::pair<ClaimKind, std::string_view>, 3> kKinds{
+      {{ClaimKind::kIndependent, "independent: measurements, equations and theories that the soil was not fitted to"},
+       {ClaimKind::kCalibrated, "calibrated: targets that the soil was fitted to"},
+       {ClaimKind::kConsistency, "self-consistency: haptolith compared with itself or with mechanics"}}};
+  const ClaimCount all = countClaims(claims, {});
+  const ClaimCount independent = countClaims(claims, ClaimKind::kIndependent);
+  std::string text =
+      fmt::format("\n**Result.** Of {} independent claims {} hold, {} nearly hold and {} fail.{}\n\n",
+                  independent.claims, independent.lights[0], independent.lights[1], independent.lights[2],
+                  all.simulated < all.claims ? fmt::format(" Not simulated yet: {}.", all.claims - all.simulated) : "");
+  text += "| Claims | Number | 🟢 hold | 🟡 nearly | 🔴 fail |\n|---|--:|--:|--:|--:|\n";
+  for (const auto& [kind, name] : kKinds) {
+    const ClaimCount count = countClaims(claims, kind);
+    text += count.claims > 0 ? countRow(name, count) : "";
+  }
+  text += countRow("all", all);
+  return text +
+         "\n🟢 holds: within the tolerance. 🟡 nearly: outside by at most the tolerance again, or by at most the "
+         "SD of one\n"
+         "specimen. 🔴 fails: further outside, or without a number. Ratio is simulated over reference.\n";
 }
 
 bool hasRatio(const JudgedClaim& judged) {
@@ -230,21 +278,10 @@ std::vector<std::string> figureNamesOf(const std::vector<std::string>& groups) {
 
 std::string validationPage(const std::vector<JudgedClaim>& claims, const std::vector<std::string>& introduction,
                            bool has_figures) {
-  std::string page = "# Validation: where this soil is soil, and where it is not\n";
+  std::string page = "# Validation: simulated soil compared with reference values\n" + summaryText(claims);
   for (const std::string& paragraph : introduction) {
     page += "\n" + paragraph + "\n";
   }
-  const auto measured =
-      std::ranges::count_if(claims, [](const JudgedClaim& judged) { return judged.outcome.has_value(); });
-  page += fmt::format(
-      "\nOf {} claims {} hold (🟢: within the tolerance), {} nearly do (🟡: outside by no more than the tolerance "
-      "again, "
-      "or than one\nspecimen's scatter), and {} fail (🔴).{}\n",
-      claims.size(), count(claims, ClaimLight::kGreen), count(claims, ClaimLight::kYellow),
-      count(claims, ClaimLight::kRed),
-      static_cast<std::size_t>(measured) < claims.size()
-          ? fmt::format(" {} are not measured yet.", claims.size() - static_cast<std::size_t>(measured))
-          : "");
   std::vector<Claim> bare(claims.size());
   std::ranges::transform(claims, bare.begin(), &JudgedClaim::claim);
   const std::vector<std::string> groups = groupsOf(bare);
@@ -252,7 +289,7 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const std::string& group = groups[i];
     page += fmt::format(
-        "\n## {}\n\n| Claim | Reference | Ours | Ours over theirs | Tolerance | n | |\n|---|---|--:|--:|--:|--:|---|\n",
+        "\n## {}\n\n| Claim | Reference | Simulated | Ratio | Tolerance | n | |\n|---|---|--:|--:|--:|--:|---|\n",
         group);
     std::string notes;
     for (const JudgedClaim& judged : claims) {
@@ -265,8 +302,9 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
     const bool has_figure = has_figures && std::ranges::any_of(claims, [&](const JudgedClaim& judged) {
                               return judged.claim.group == group && hasRatio(judged);
                             });
-    page +=
-        has_figure ? fmt::format("\n![{}: ours over theirs, with scatter and tolerance]({})\n", group, figures[i]) : "";
+    page += has_figure
+                ? fmt::format("\n![{}: simulated over reference, with SD and tolerance]({})\n", group, figures[i])
+                : "";
   }
   return page;
 }
@@ -315,7 +353,7 @@ bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& clai
   figure.data("bands", bands);
   figure.command(
       fmt::format("set logscale x; set xrange [{}:{}]; set yrange [0:{}]; set ytics ({}); set grid xtics; "
-                  "set key tmargin center horizontal; set xlabel 'ours over theirs'; set lmargin 34; "
+                  "set key tmargin center horizontal; set xlabel 'simulated over reference'; set lmargin 34; "
                   "set arrow from 1, graph 0 to 1, graph 1 nohead linecolor rgb '#888888'; "
                   "set xtics (0.1, 0.2, 0.5, 1, 2, 5, 10)",
                   kLeast, kMost, rows + 1, labels));

@@ -18,14 +18,23 @@ enum class ClaimLight {
   kRed,     ///< further outside, or without a number
 };
 
-/// A claim: a number of ours beside one that was measured or calculated by somebody else.
+/// Evidence that a claim gives.
+enum class ClaimKind {
+  kIndependent,  ///< a measurement, equation or theory to which the soil was not fitted
+  kCalibrated,   ///< a target to which the soil was fitted
+  kConsistency,  ///< haptolith compared with itself or with mechanics
+};
+
+/// A simulated number compared with a reference value.
 struct Claim {
   std::string id;         ///< "blade-sand-upright"
-  std::string group;      ///< heading under which it stands
-  std::string claim;      ///< what is compared, one line
-  std::string reference;  ///< where the other number is from
-  std::string unit;       ///< of both; may be empty
-  std::string note;       ///< why it stands as it does; may be empty
+  std::string group;      ///< heading on the page
+  std::string claim;      ///< quantity and conditions, one line
+  std::string reference;  ///< source of the reference value
+  std::string unit;       ///< unit of both numbers; may be empty
+  std::string note;       ///< explanation of the verdict; may be empty
+
+  ClaimKind kind = ClaimKind::kIndependent;
 
   std::optional<double> expected = {};  ///< the other number; none: each specimen has one of its own
   Range scatter{0, 0};                  ///< within which the source has it; empty (0 to 0) where it does not say
@@ -77,8 +86,9 @@ struct JudgedClaim {
 /// File names of their figures, each another: "validation-flow-and-heaps.svg".
 [[nodiscard]] std::vector<std::string> figureNamesOf(const std::vector<std::string>& groups);
 
-/// The page in Markdown: how many stand, and for each group a table, notes and, beside the page, its figure.
-/// @param introduction  paragraphs under the title.
+/// Returns the page in Markdown: a summary by kind of claim, and for each group a table, notes and its figure, which is
+/// in the page's folder.
+/// @param introduction  paragraphs between the summary and the groups.
 [[nodiscard]] std::string validationPage(const std::vector<JudgedClaim>& claims,
                                          const std::vector<std::string>& introduction, bool has_figures);
 

@@ -76,7 +76,7 @@ struct BladeResult {
 /// and half as much above the surface, so no soil flows over it.
 ///
 /// `friction_angle_rad` should be the bed's peak angle: a dense bed fails before it has loosened, and its residual
-/// angle gives half the draft (docs/reports/plates-in-sand.md, "Blades").
+/// angle gives half the draft (docs/reports/accuracy.md, "Blades").
 ///
 /// Either equation is the balance on the first wedge that breaks out, with a flat surface. The draft climbs while that
 /// wedge forms, levels off after about half a depth of travel, and then rises slowly for good, for soil heaps up before

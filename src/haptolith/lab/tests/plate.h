@@ -44,7 +44,7 @@ struct PlateResult {
 /// Sinkage is counted from first contact: from where the force exceeds 5 % of rho0 g D times the plate's area. Before
 /// that the plate only meets the tips of single particles. The box's sides are smooth walls: they take no vertical
 /// force, but they keep soil from giving way sideways, and the floor keeps it from giving way downwards. Both make the
-/// soil look stronger; docs/reports/plates-in-sand.md compares two depths of bed.
+/// soil look stronger; docs/reports/accuracy.md compares two depths of bed.
 /// @throws InvalidParameter outside the ranges above; Failure as LabBed::run() and fitPressureSinkage(). Not for the
 /// tick.
 [[nodiscard]] PlateResult plateTest(const LabConditions& conditions, const PlateOptions& options = {});
