@@ -12,7 +12,7 @@
  * Who shows force to a hand makes it zero when no answer has come for HAPTO_NETWORK_SILENCE_MS: haptolith may be gone.
  *
  * With a key, HAPTO_NETWORK_TAG_BYTES follow what is sent, and a nonce and a tag of as many bytes each follow an answer:
- * docs/how-to/devices.md says what they are made of.
+ * docs/reference/udp.md says what they are made of.
  */
 #ifndef HAPTOLITH_NETWORK_DEVICE_H
 #define HAPTOLITH_NETWORK_DEVICE_H

@@ -18,7 +18,7 @@
 
 namespace haptolith {
 
-/// The JSON messages of docs/reference/web-protocol.md. The nameless ones name no soil, world, preset or file.
+/// The JSON messages of docs/reference/web-messages.md. The nameless ones name no soil, world, preset or file.
 
 /// "$client" in it stands for the number of the client it goes to: see Board.
 [[nodiscard]] Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_uploads);
