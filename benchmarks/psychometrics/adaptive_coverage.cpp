@@ -1,5 +1,5 @@
 // Staircases and QUEST+ over the levels of friction-quest with simulated people: is their Weber fraction found again,
-// and do the intervals hold what they say? docs/reference/psychometrics.md has the tables that this prints.
+// and do the intervals hold what they say? docs/reports/psychometric-coverage.md has the tables that this prints.
 //
 //     adaptive_coverage [people]        400 of each Weber fraction without a number
 

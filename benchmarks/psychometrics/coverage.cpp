@@ -1,5 +1,5 @@
 // Simulated studies of the paper's design, fitted: is the Weber fraction found again, and does the interval hold what
-// it says? docs/reference/psychometrics.md has the table this prints.
+// it says? docs/reports/psychometric-coverage.md has the table this prints.
 //
 //     coverage [studies]        1000 without a number
 //     coverage [studies] ml     intervals of maximum likelihood, with overdispersion and lapses free

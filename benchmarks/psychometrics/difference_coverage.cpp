@@ -1,6 +1,6 @@
 // Simulated studies of two groups of people, or of the same people in two blocks: how often does the interval of the
-// ratio of Weber fractions hold the truth, and how often does it tell a difference? docs/reference/psychometrics.md has
-// the tables this prints.
+// ratio of Weber fractions hold the truth, and how often does it tell a difference?
+// docs/reports/psychometric-coverage.md has the tables this prints.
 //
 //     haptolith_difference_coverage [studies] [people in each group] [answers a level] [experiment] [between|within]
 //     200 8 10 both between

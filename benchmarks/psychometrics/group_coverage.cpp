@@ -1,5 +1,5 @@
 // Simulated groups, fitted by the hierarchical model: is the median person's Weber fraction found again, and does the
-// interval hold what it says? docs/reference/psychometrics.md has the table this prints.
+// interval hold what it says? docs/reports/psychometric-coverage.md has the table this prints.
 //
 //     haptolith_group_coverage [studies] [answers,answers] [experiment] [people]        400 3,10 both 8
 

@@ -105,7 +105,7 @@ def files_in(names: list[str]) -> list[Path]:
     """The tracked texts among these files and folders."""
     tracked = subprocess.run(["git", "-C", str(SOURCE), "ls-files", "--", *[str(Path(name).resolve()) for name in names]], check=True, capture_output=True, text=True)
     return [SOURCE / name for name in tracked.stdout.splitlines()
-            if Path(name).suffix in C_LIKE | HASH_LIKE | {".md"} and "first_version" not in name and (SOURCE / name).exists()]
+            if Path(name).suffix in C_LIKE | HASH_LIKE | {".md"} and not re.search("first_version|tests/data", name) and (SOURCE / name).exists()]
 
 
 def check(files: list[Path], lines: dict[Path, set[int]] | None = None) -> int:

@@ -143,23 +143,24 @@ def command_line(program: Path) -> str:
 def page_for(path: str, staged: Path) -> str:
     """The page of a file outside docs/: a Markdown file as it is, others as a listing."""
     file = SOURCE / path
+    plain = path.strip("/").replace("/", "-")
+    name = f"files/{file.stem if file.suffix == '.ipynb' else plain if file.suffix == '.md' else plain.replace('.', '-')}"
+    name = name if name.endswith(".md") else f"{name}.md"
+    target = staged / name
+    if target.exists():
+        return name
+    target.parent.mkdir(exist_ok=True)
+    target.touch()  # before its links are followed, which may lead back to it
     if file.is_dir():
-        name = f"files/{path.strip('/').replace('/', '-')}.md"
         inside = sorted(p.relative_to(SOURCE).as_posix() for p in file.rglob("*") if p.is_file() and p.suffix in LANGUAGES)
         text = f"# {path}\n\n" + "".join(f"- [{p}](../{page_for(p, staged)})\n" for p in inside)
     elif file.suffix == ".md":
-        name = f"files/{path.replace('/', '-')}"
         text = linked(file.read_text(), file.parent, staged, "../")
     elif file.suffix == ".ipynb":
-        name = f"files/{file.stem}.md"
         text = linked(notebook(file, staged / "files"), file.parent, staged, "../")
     else:
-        name = f"files/{path.replace('/', '-').replace('.', '-')}.md"
         text = f"# {path}\n\n````{LANGUAGES.get(file.suffix, 'none')}\n{file.read_text()}````\n"
-    target = staged / name
-    if not target.exists():
-        target.parent.mkdir(exist_ok=True)
-        target.write_text("---\norphan: true\n---\n" + text)
+    target.write_text("---\norphan: true\n---\n" + text)
     return name
 
 

@@ -4,7 +4,7 @@
 //     auto *tool = new hapto::cHaptolithTool(world, *bed);    // a CHAI3D tool: the shovel that feels it
 //     hapto::cHaptolithLoop loop(scene, chai3d_device);       // or: a CHAI3D device in haptolith's own loop
 //
-// The scene stays the caller's: destroy it last. Whoever destroys it, the bed or the tool earlier lets the hand go.
+// The scene stays the caller's: destroy it last. Destroying it, the bed or the tool earlier sets the force to zero.
 #ifndef HAPTOLITH_CHAI3D_HPP
 #define HAPTOLITH_CHAI3D_HPP
 
@@ -24,7 +24,7 @@
 
 namespace hapto {
 
-/// What a CHAI3D device declares of itself, in haptolith's words. CHAI3D tells neither delay nor resolution: 0 and 0.1 mm.
+/// Limits that a CHAI3D device declares, in haptolith's terms. CHAI3D reports neither delay nor resolution: 0 and 0.1 mm.
 inline hapto_device_limits limitsOf(const chai3d::cHapticDeviceInfo &info) {
   const double shortest_rise_s = 0.003;  // full force in no less, as haptolith's own drivers
   hapto_device_limits limits = hapto_device_limits();
@@ -42,7 +42,7 @@ inline hapto_device_limits limitsOf(const chai3d::cHapticDeviceInfo &info) {
   if (info.m_actuatedRotation) {
     limits.max_stiffness_nm_rad = info.m_maxAngularStiffness;
   }
-  limits.damping_n_s_m = info.m_maxLinearStiffness * 1e-3 / 2;  // what shows K every 1 ms must have at least that
+  limits.damping_n_s_m = info.m_maxLinearStiffness * 1e-3 / 2;  // a device that renders K every 1 ms has at least that
   limits.turn_rad[2] = -chai3d::C_PI / 2;                       // x is to the person, y to the right
   limits.workspace_radius_m = info.m_workspaceRadius;
   limits.resolution_m = 1e-4;
@@ -65,7 +65,7 @@ inline chai3d::cVector3d vectorOf(const double (&v)[3]) {
   return chai3d::cVector3d(v[0], v[1], v[2]);
 }
 
-/// A quarter turn about z, to the last bit: CHAI3D's x (to the person), y (right) from haptolith's x (right), y (away).
+/// An exact quarter turn about z: CHAI3D's x (to the person), y (right) from haptolith's x (right), y (away).
 inline chai3d::cMatrix3d quarterTurn() {
   chai3d::cMatrix3d turn;
   turn.set(0, -1, 0, 1, 0, 0, 0, 0, 1);
@@ -140,7 +140,7 @@ inline hapto_twist between(const hapto_twist &from, const hapto_twist &to, doubl
   return twist;
 }
 
-/// Where particles are, from the haptic thread to the one that draws. Neither waits for the other.
+/// Positions of particles, from the haptic thread to the one that draws. Neither waits for the other.
 class ParticleSnapshot {
  public:
   /// Call before the first step: takes the first snapshot. False if there is no such scene.
@@ -206,7 +206,7 @@ class ParticleSnapshot {
   std::atomic<int> middle_{2};
 };
 
-/// What a bed and its tool share, for as long as either lives.
+/// Data shared by a bed and its tool, while either exists.
 struct SoilLink {
   hapto_scene *scene = nullptr;
   ParticleSnapshot snapshot;
@@ -218,7 +218,7 @@ struct SoilLink {
 }  // namespace detail
 
 /// Soil as a CHAI3D object: its particles as points. Its frame is the scene's: m, z up, the origin on the floor in the middle
-/// of the box. It begins turned by 90 degrees about z, so that who sits where CHAI3D's x points to has the scene's x to the
+/// of the box. It begins turned by 90 degrees about z, so that a person at CHAI3D's positive x axis has the scene's x to the
 /// right. Move it before a hand is in it, or from the haptic thread.
 class cHaptolithBed : public chai3d::cMultiPoint {
  public:
@@ -235,7 +235,7 @@ class cHaptolithBed : public chai3d::cMultiPoint {
   }
 
   std::string getClassName() override { return "HaptolithBed"; }
-  /// Of the soil's surface above the bed's origin as it was made, m.
+  /// Initial height of the soil's surface above the bed's origin, m.
   double getSurfaceHeight() const { return surface_m_; }
 
   /// The newest particles of a tool's scene; whether there were any. Drawing calls it: only for who draws otherwise.
@@ -298,7 +298,7 @@ class cHaptolithBed : public chai3d::cMultiPoint {
 
 /// The scene's tool in CHAI3D's loop, which may turn at any rate: ticks of the soil come at whole milliseconds, with the hand
 /// where it was then; between them the force follows the contact stiffness. The force passes through haptolith's safety
-/// layer. One tool has a scene; nobody else may use the scene while it is in the loop.
+/// layer. One tool has a scene; no other code may use the scene while it is in the loop.
 class cHaptolithTool : public chai3d::cGenericTool {
  public:
   cHaptolithTool(chai3d::cWorld *a_parentWorld, const cHaptolithBed &bed)
@@ -307,7 +307,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
   }
   ~cHaptolithTool() override {
     destroySafety();
-    if (fade_ < 1) {  // whoever has the scene next finds the whole tool
+    if (fade_ < 1) {  // the next user of the scene finds the complete tool
       hapto_scene_set_tool_fade(link_->scene, 1);
     }
   }
@@ -318,7 +318,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
 
   // --- before the loop ------------------------------------------------------------------------------------------------
 
-  /// What the safety layer has to know of the device, instead of what CHAI3D says of it.
+  /// Sets the limits of the device for the safety layer, instead of CHAI3D's.
   void setDeviceLimits(const hapto_device_limits &limits) {
     own_limits_ = limits;
     has_own_limits_ = true;
@@ -330,7 +330,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     softest_spring_n_m_ = softest_spring_n_m;
     prepared_ = false;
   }
-  /// Off for a hand that is simulated only; a reading that is not a number lets go all the same.
+  /// Off for a simulated hand only; a reading that is not a number trips in any case.
   void setUseSafety(bool on) {
     use_safety_ = on;
     prepared_ = false;
@@ -338,9 +338,9 @@ class cHaptolithTool : public chai3d::cGenericTool {
   bool getUseSafety() const { return use_safety_; }
   /// A share of the soil's force for the hand. The workspace's scale factor stretches movements, never forces.
   void setForceScale(double scale) { force_scale_ = scale; }
-  /// How the tool is held: its frame in the handle's. At first as turned as the bed: both then are as on haptolith's page.
+  /// Sets the orientation of the tool in the handle. Initially that of the bed: both are then as in haptolith's browser view.
   void setToolRotation(const chai3d::cMatrix3d &device_R_tool) { device_R_tool_ = device_R_tool; }
-  /// Whether the soil is told the velocity that the device tells (at first), or the one of the way from tick to tick.
+  /// Whether the soil uses the velocity that the device reports (default), or the difference of positions from tick to tick.
   void setUseDeviceVelocity(bool on) { use_device_velocity_ = on; }
 
   // --- CHAI3D's loop --------------------------------------------------------------------------------------------------
@@ -358,7 +358,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     last_call_ = now;
     advance(elapsed_s);
   }
-  /// The same for who has a clock of his own: simulated time, or a loop that is paced.
+  /// As above for callers with their own clock: simulated time, or a paced loop.
   void advance(double elapsed_s) {
     if (!prepared_) {
       prepare();
@@ -391,12 +391,12 @@ class cHaptolithTool : public chai3d::cGenericTool {
   /// Why the hand feels nothing just now; "" when it does.
   const char *getTripReason() const { return reason_.load(std::memory_order_relaxed); }
   const char *getLetGoReason() const { return getTripReason(); }  ///< deprecated: getTripReason()
-  /// Where the tool was in the last tick, scene frame, and what the soil did to it. Haptic thread.
+  /// Pose of the tool in the last tick, scene frame, and the soil wrench. Haptic thread.
   const hapto_pose &getScenePose() const { return tool_; }
   const hapto_wrench &getSceneWrench() const { return soil_wrench_; }
 
  private:
-  /// What the device tells, in its own frame, and what it means in the scene's.
+  /// Reading of the device, in its own frame and in the scene's.
   struct Hand {
     hapto_pose device;
     hapto_twist device_twist;
@@ -567,7 +567,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     return status;
   }
 
-  /// What the hand may feel of it. A reading that the layer itself refuses is told as it is: it then says why.
+  /// Passes the force through the safety layer. A reading that the layer itself refuses is passed unchanged: it reports the reason.
   void passSafety(const Hand &hand, bool late, const char *why, bool odd) {
     hapto_device_input told = hapto_device_input();
     told.size = sizeof told;
@@ -625,7 +625,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     double k_n_m[9];
     if (detail::distance(tool_, hand.scene) > 0 && rendered_n > 0 &&
         hapto_scene_get_contact_stiffness(link_->scene, k_n_m) == HAPTO_OK) {
-      const double share = force_scale_ * std::min(1.0, tick_n / rendered_n);  // what the safety layer leaves of a force
+      const double share = force_scale_ * std::min(1.0, tick_n / rendered_n);  // fraction of the force that the safety layer passes
       double change_n[3], most_n = saturated_ ? tick_n : limits_.max_force_n;
       for (int i = 0; i < 3; ++i) {
         change_n[i] = 0;
@@ -670,16 +670,16 @@ class cHaptolithTool : public chai3d::cGenericTool {
 
   hapto_safety *safety_ = nullptr;
   bool prepared_ = false;
-  std::int32_t status_ = HAPTO_OK;  // of preparing
+  std::int32_t status_ = HAPTO_OK;  // status of preparing
   double tick_s_ = 1e-3, gripper_rad_ = 0;
   std::chrono::steady_clock::time_point last_call_;
 
   bool known_ = false;           // whether last_ is
   Hand last_ = Hand();           // at the last call
   double since_tick_s_ = 0;      // from the last tick to the last call
-  bool odd_ = false;             // since the last tick the device has told what no hand does
+  bool odd_ = false;             // since the last tick the device has sent an implausible reading
   bool tripped_ = false, saturated_ = false, place_ = true;
-  double fade_ = 1;              // how much of the tool is there: its square root
+  double fade_ = 1;              // square root of the present fraction of the tool
   const char *why_ = "";
   hapto_pose tool_ = hapto_pose();  // in the last tick, scene frame
   hapto_wrench soil_wrench_ = hapto_wrench();
@@ -729,7 +729,7 @@ class cHaptolithLoop {
   std::int32_t start() { return hapto_loop_start(loop_); }
   std::int32_t tick(bool late = false) { return hapto_loop_tick(loop_, late ? 1 : 0); }
   std::int32_t stop() { return hapto_loop_stop(loop_); }
-  /// For all else that a loop can do; null when there is none.
+  /// Handle for further functions of a loop; null without one.
   hapto_loop *get() const { return loop_; }
   /// Draws the loop's soil: from the thread that draws, once a frame. The bed was made before the loop.
   bool draw(cHaptolithBed &bed) {

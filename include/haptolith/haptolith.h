@@ -9,19 +9,19 @@
  *
  * Conventions
  *   - SI units: m, s, kg, N, rad. Quaternions are w, x, y, z. Frames are right-handed.
- *   - Scene frame: z points up, the origin lies on the floor in the middle of the box. A pose is scene_T_tool: where the
- *     tool's frame stands in the scene's.
+ *   - Scene frame: z points up, the origin is on the floor at the centre of the box. A pose is scene_T_tool: the
+*     tool's frame in the scene's.
  *   - Device frame: a haptic device's own. hapto_device_limits.turn_rad and the scene's [mapping] turn it into the scene's.
  *   - Soil wrench: what the soil does to the tool, about the tool's origin, scene frame, unfiltered. Device wrench: what is
  *     sent to the device, behind mapping, filter and safety layer, about the handle's origin, device frame.
  *   - Parameters are the keys of scene files (docs/reference/scenes.md): as a file, as text, or as overrides
  *     "table.key=value", for example "soil.preset=P3" or "bed.threads=4".
- *   - Every function returns a status; HAPTO_OK is 0. What was wrong is told by hapto_last_error(). Nothing is printed,
+ *   - Every function returns a status; HAPTO_OK is 0. hapto_last_error() reports the reason. Nothing is printed,
  *     nothing is thrown, and no call ends the process.
  *   - [1 kHz]: may be called in a loop that must keep time. Such a function allocates nothing, takes no lock, writes no
  *     file, and on failure returns the status alone: hapto_last_error() is as it was.
  *   - Threads: a handle may be used by one thread at a time, different handles by any. A handle that another thread is
- *     using gives HAPTO_BUSY, one that has been destroyed HAPTO_DESTROYED as long as that can be told.
+ *     using gives HAPTO_BUSY, a destroyed one HAPTO_DESTROYED while that is detectable.
  *   - Structs that begin with `size` may grow at their end: set it to sizeof the struct, and the rest to 0. The library
  *     accepts every size from that of the struct's first version on. It neither reads nor writes beyond the caller's size:
  *     what is missing counts as 0. Members that a later header has and this library does not know stay as they were.
@@ -78,7 +78,7 @@ enum {
   HAPTO_ENDED = 12 /* the loop has ended: hapto_loop_snapshot() says why */
 };
 
-/* What went wrong last in a function that this thread has called. Texts are never NULL, may be empty, and are valid until
+/* The last error of a function that this thread has called. Texts are never NULL, may be empty, and are valid until
  * the thread's next failure. */
 typedef struct hapto_error {
   uint32_t size;
@@ -89,8 +89,8 @@ typedef struct hapto_error {
   const char *valid;   /* "a whole number, 1 to 256" */
 } hapto_error;
 HAPTO_API int32_t hapto_last_error(hapto_error *out);
-/* For libraries beside this one: makes this what hapto_last_error() of this thread tells, and returns the status. NULL is
- * "". */
+/* For companion libraries: sets the text of hapto_last_error() for this thread, and returns the status. NULL is
+* "". */
 HAPTO_API int32_t hapto_note_error(int32_t status, const char *message, const char *key, const char *value,
                                    const char *valid);
 /* A status in words. [1 kHz] */
@@ -103,12 +103,12 @@ typedef struct hapto_pose {
   double orientation[4]; /* w x y z, of norm 1 +- 1 % */
 } hapto_pose;
 
-typedef struct hapto_twist { /* of the origin of what moves, in the frame of its pose */
+typedef struct hapto_twist { /* velocity of the moving body's origin, in the frame of its pose */
   double linear_m_s[3];
   double angular_rad_s[3];
 } hapto_twist;
 
-typedef struct hapto_wrench { /* where one is used it is said whose, about which point and in which frame */
+typedef struct hapto_wrench { /* every use states the body, the point and the frame */
   double force_n[3];
   double torque_nm[3];
 } hapto_wrench;
@@ -124,7 +124,7 @@ typedef struct hapto_array {
 } hapto_array;
 enum { HAPTO_FLOAT32 = 1, HAPTO_FLOAT64 = 2, HAPTO_UINT8 = 3 };
 
-/* Told now and then what is being done and how much of it is, 0 to 1, or -1 where that is not known; 0 gives up.
+/* Receives the current work and its progress, 0 to 1, or -1 where that is not known; return 0 to give up.
  * `what` is valid during the call. May come from another thread than the caller's, one at a time. */
 typedef int32_t (*hapto_progress)(void *user, const char *what, double share);
 
@@ -135,7 +135,7 @@ typedef struct hapto_result hapto_result;
 typedef struct hapto_loop hapto_loop;
 typedef struct hapto_safety hapto_safety;
 
-/* --- results: what cannot be told in a number --------------------------------------------------------------------- */
+/* --- results with more than one number ---------------------------------------------------------------------------- */
 
 /* A JSON object, valid until the result is destroyed. */
 HAPTO_API int32_t hapto_result_json(const hapto_result *result, const char **json);
@@ -145,31 +145,31 @@ HAPTO_API int32_t hapto_result_value(const hapto_result *result, const char *pat
 HAPTO_API int32_t hapto_result_column(const hapto_result *result, const char *name, hapto_array *out);
 HAPTO_API int32_t hapto_result_destroy(hapto_result *result);
 
-/* What there is, as {"names": [...]}: "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set" (the one in use). */
+/* Available items, as {"names": [...]}: "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set" (the one in use). */
 HAPTO_API int32_t hapto_list(const char *what, hapto_result **out);
 
 /* --- scenes: soil in a box and a tool ------------------------------------------------------------------------------ */
 
 /* A scene from the text of a scene file; NULL or "" is the paper's scene.
- * name       what messages call it; NULL: "scene". Files that it names lie beside what that would be.
+ * name       its name in messages; NULL: "scene". Files that it names are relative to that name.
  * overrides  `count` texts "table.key=value" that replace keys of the file.
  * progress   may be NULL. Soil that settles takes seconds to minutes the first time.
- * Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE when soil does not come to rest. */
+ * Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE when soil does not settle. */
 HAPTO_API int32_t hapto_scene_from_toml(const char *text, const char *name, const char *const *overrides, uint32_t count,
                                         hapto_progress progress, void *user, hapto_scene **out);
-/* The same from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
+/* As above from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
  * Moon in the finest particles that this machine renders at 1 kHz with a core left to others: it measures the machine,
  * about a second the first time, and keeps the result with settled soil. Overrides of soil.radius_mm and bed.threads
  * count. */
 HAPTO_API int32_t hapto_scene_from_file(const char *name_or_path, const char *const *overrides, uint32_t count,
                                         hapto_progress progress, void *user, hapto_scene **out);
-/* Another scene that goes on from here with the same bits. */
+/* Another scene that continues from here with the same bits. */
 HAPTO_API int32_t hapto_scene_clone(const hapto_scene *scene, hapto_scene **out);
 HAPTO_API int32_t hapto_scene_destroy(hapto_scene *scene);
 
 typedef struct hapto_scene_info {
   uint32_t size;
-  uint32_t substeps;  /* of a tick */
+  uint32_t substeps;  /* per tick */
   uint32_t threads;   /* that share one, at most */
   uint32_t friction;  /* 0: the paper's, 1: contact */
   uint64_t particles; /* the indices of all arrays */
@@ -200,7 +200,7 @@ HAPTO_API int32_t hapto_scene_get_tool_pose(const hapto_scene *scene, hapto_pose
 
 /* One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
  * twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
- * soil_wrench  what the soil does to the tool, mean over the tick, scene frame; may be NULL.
+ * soil_wrench  wrench of the soil on the tool, mean over the tick, scene frame; may be NULL.
  * Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m beside the box or
  * 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz] */
 HAPTO_API int32_t hapto_scene_step(hapto_scene *scene, const hapto_pose *scene_T_tool, const hapto_twist *twist,
@@ -210,16 +210,16 @@ HAPTO_API int32_t hapto_scene_step(hapto_scene *scene, const hapto_pose *scene_T
 HAPTO_API int32_t hapto_scene_steps(hapto_scene *scene, uint64_t count, const hapto_pose *poses,
                                     const hapto_twist *twists, hapto_wrench *soil_wrenches, uint64_t *done);
 
-/* What the soil did to the tool in the last tick, scene frame. [1 kHz] */
+/* Wrench of the soil on the tool in the last tick, scene frame. [1 kHz] */
 HAPTO_API int32_t hapto_scene_get_wrench(const hapto_scene *scene, hapto_wrench *soil_wrench);
-/* How the force changes when the tool moves a little and the soil goes on as it does: dF = -K dx, K row by row in N/m, scene frame. To
+/* Derivative of the force for a small movement of the tool with unchanged velocities of the soil: dF = -K dx, K row by row in N/m, scene frame. To
  * extrapolate between ticks in a loop that is faster. [1 kHz] */
 HAPTO_API int32_t hapto_scene_get_contact_stiffness(const hapto_scene *scene, double n_m[9]);
-/* How far the jaws are to open by the end of the next tick, 0 to 1; no other tool takes notice. [1 kHz] */
+/* Sets the opening of the jaws at the end of the next tick, 0 to 1; without effect on other tools. [1 kHz] */
 HAPTO_API int32_t hapto_scene_set_opening(hapto_scene *scene, double share);
-/* How hard the soil pushed the jaws apart in the last tick. [1 kHz] */
+/* Force of the soil that opened the jaws in the last tick. [1 kHz] */
 HAPTO_API int32_t hapto_scene_get_grip_force(const hapto_scene *scene, double *n);
-/* How much of itself the tool is, 0 to 1, from the next tick on: a tool that grows slowly moves soil out of its way
+/* Sets the present fraction of the tool, 0 to 1, from the next tick on: a tool that grows slowly moves soil out of its way
  * gently. [1 kHz] */
 HAPTO_API int32_t hapto_scene_set_tool_fade(hapto_scene *scene, double share);
 /* Gravity from the next tick on, scene frame, 1000 m/s^2 at most: for a box on a vehicle. Another gravity wakes all soil that
@@ -231,12 +231,12 @@ HAPTO_API int32_t hapto_scene_set_gravity(hapto_scene *scene, const double m_s2[
 HAPTO_API int32_t hapto_scene_change(hapto_scene *scene, const char *const *overrides, uint32_t count);
 
 enum {
-  HAPTO_POSITION = 1,     /* of the centres, m, 3 of HAPTO_FLOAT32; view and copy */
+  HAPTO_POSITION = 1,     /* centres, m, 3 of HAPTO_FLOAT32; view and copy */
   HAPTO_VELOCITY = 2,     /* m/s, 3 of HAPTO_FLOAT32; view and copy */
   HAPTO_RADIUS = 3,       /* m, HAPTO_FLOAT32; copy */
   HAPTO_ASLEEP = 4,       /* 1: not worked on, since nothing near it moves; HAPTO_UINT8; copy */
-  HAPTO_HELD = 5,         /* 1: stands for ever where a box of settled soil ends; HAPTO_UINT8; copy */
-  HAPTO_CONTACT_LOAD = 6, /* N, how hard its neighbours press it: shows force chains; HAPTO_FLOAT32; copy */
+  HAPTO_HELD = 5,         /* 1: fixed, outside the sides of a settled box; HAPTO_UINT8; copy */
+  HAPTO_CONTACT_LOAD = 6, /* N, load by its neighbours: shows force chains; HAPTO_FLOAT32; copy */
   HAPTO_FIELDS = 6
 };
 /* Particles where they are, without copy. The numbers change, and the address too, with every step: fetch the view again
@@ -245,12 +245,12 @@ HAPTO_API int32_t hapto_scene_view(const hapto_scene *scene, int32_t field, hapt
 /* A copy, packed: `bytes` must be what the field needs, particles * components * 4 or 1. */
 HAPTO_API int32_t hapto_scene_copy(const hapto_scene *scene, int32_t field, void *out, uint64_t bytes);
 
-/* The whole scene as bytes, its parameters included. Scenes with equal bytes go on with equal bits. `needed` as in
+/* The complete scene as bytes, its parameters included. Scenes with equal bytes continue with equal bits. `needed` as in
  * hapto_scene_get_toml(). The bytes are for this version of the library and one instruction set. */
 HAPTO_API int32_t hapto_scene_get_state(const hapto_scene *scene, void *bytes, uint64_t capacity, uint64_t *needed);
-/* Goes on from there; the scene must have been made with the same parameters. It is as it was when this fails. */
+/* Continues from there; the scene must have been made with the same parameters. It is unchanged when this fails. */
 HAPTO_API int32_t hapto_scene_set_state(hapto_scene *scene, const void *bytes, uint64_t count);
-/* A new scene that goes on from there: nothing has to settle again. */
+/* A new scene that continues from there, without settling again. */
 HAPTO_API int32_t hapto_scene_from_state(const void *bytes, uint64_t count, hapto_scene **out);
 /* 64-bit hash of the particles and what their contacts remember, as `haptolith run --json` prints it. */
 HAPTO_API int32_t hapto_scene_state_hash(const hapto_scene *scene, uint64_t *out);
@@ -261,7 +261,7 @@ HAPTO_API int32_t hapto_scene_state_hash(const hapto_scene *scene, uint64_t *out
  * threads  0: as many as the machine has. */
 HAPTO_API int32_t hapto_batch_create(hapto_scene *const *scenes, uint32_t count, uint32_t threads, hapto_batch **out);
 /* `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. The same bits as
- * one by one. status[i] is how scene i fared; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+ * one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
  * returned. */
 HAPTO_API int32_t hapto_batch_step(hapto_batch *batch, uint64_t ticks, const hapto_pose *poses, const hapto_twist *twists,
                                    hapto_wrench *soil_wrenches, int32_t *status);
@@ -295,8 +295,8 @@ HAPTO_API int32_t hapto_soil_calibrate(const char *target, hapto_progress progre
 /* A test of the soil laboratory, as `haptolith lab TEST` makes it (hapto_list("lab tests"); docs/how-to/test-a-soil.md).
  * options  keys in TOML, as the command's options with _ for -: "normal_pa = [300, 1000, 3000]\nseed = 2\nbody = 'Earth'"; NULL or
  *          "": the usual ones.
- * out      the numbers that `--json` prints, "findings" beside what they should be, and the trace as columns.
- * Errors: HAPTO_INVALID_PARAMETER with key, value and what would be valid; HAPTO_FAILURE; HAPTO_STOPPED. */
+ * out      the numbers that `--json` prints, "findings" with their target values, and the trace as columns.
+ * Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE; HAPTO_STOPPED. */
 HAPTO_API int32_t hapto_lab_test(const char *test, const hapto_soil *soil, const char *options, hapto_progress progress,
                                  void *user, hapto_result **out);
 
@@ -312,22 +312,22 @@ HAPTO_API int32_t hapto_psychometric_fit(const double *levels, uint64_t count, c
 
 /* --- the loop: a device or a hand at 1 kHz ---------------------------------------------------------------------------- */
 
-/* What a device declares of itself. hapto_device_limits_init() sets what an ideal device has; INFINITY: no limit. */
+/* Limits that a device declares. hapto_device_limits_init() sets those of an ideal device; INFINITY: no limit. */
 typedef struct hapto_device_limits {
   uint32_t size;
   int32_t turns;       /* whether the handle's turn is known */
   int32_t shows_force; /* as a force, not as a rumble */
   int32_t grips;       /* whether it has a gripper */
   int32_t delay_known; /* else the delay is anything up to delay_s */
-  int32_t simulated;   /* nobody's hand is at it: no soft start, and time may run at any speed */
+  int32_t simulated;   /* no person's hand is at it: no soft start, and time may run at any speed */
   double max_force_n, max_torque_nm, max_gripper_force_n;
   double max_force_rate_n_s, max_torque_rate_nm_s, max_gripper_rate_n_s; /* except to zero */
   double max_stiffness_n_m, max_stiffness_nm_rad;                        /* that it shows without shaking */
   double damping_n_s_m;                                                  /* its own, in a hand that holds it loosely */
   double turn_rad[3]; /* turns its frame into that of a person before it: x right, y away, z up */
   double workspace_centre_m[3], workspace_radius_m; /* device frame */
-  double rate_hz;      /* at which it tells and shows something new */
-  double delay_s;      /* from a force that is sent to a reading that tells of it, beyond a tick */
+  double rate_hz;      /* update rate of readings and forces */
+  double delay_s;      /* from sending a force to a reading that shows its effect, beyond a tick */
   double resolution_m; /* positions come in steps, or with noise, of at most this; 0: exact */
 } hapto_device_limits;
 HAPTO_API int32_t hapto_device_limits_init(hapto_device_limits *out);
@@ -375,7 +375,7 @@ enum {
   HAPTO_LOOP_KEEPS_TICKS = 2,      /* for hapto_loop_take_ticks() */
   HAPTO_LOOP_HASHES = 4            /* ticks hold hashes of the soil, of a part of it each */
 };
-/* Runs it on a thread of its own, in step with the clock, with real-time priority and the process's memory locked where the
+/* Runs it on a separate thread, in step with the clock, with real-time priority and the process's memory locked where the
  * system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog sets the
  * force on a person's hand to zero when 4 ms pass without a tick (safety.heartbeat_ms). */
 HAPTO_API int32_t hapto_loop_start(hapto_loop *loop);
@@ -410,7 +410,7 @@ typedef struct hapto_snapshot {
   hapto_wrench device_wrench; /* of the last tick: sent to the device, about the handle's origin, device frame */
 } hapto_snapshot;
 /* The newest snapshot, about 60 per second; may be called while the loop runs, from one thread. Valid until the next call.
- * Before the first snapshot there are no positions. While time stands still the wrenches are those of the last tick, and the
+ * Before the first snapshot there are no positions. While time is paused the wrenches are those of the last tick, and the
  * device is sent zero. */
 HAPTO_API int32_t hapto_loop_snapshot(hapto_loop *loop, hapto_snapshot *out);
 
@@ -434,7 +434,7 @@ enum {
   HAPTO_TICK_RATE_LIMITED = 8,     /* force changed no faster than the device may */
   HAPTO_TICK_SOFT_START = 16,      /* force was still rising after a start or a trip */
   HAPTO_TICK_DAMPED = 32,          /* energy in excess was damped */
-  HAPTO_TICK_RESUMED = 64,         /* time stood still before it */
+  HAPTO_TICK_RESUMED = 64,         /* time was paused before it */
   HAPTO_TICK_HEARTBEAT_LOST = 128, /* the watchdog had set the force to zero before it */
   HAPTO_TICK_SCENE_CHANGED = 256,  /* soil, gravity, tool or bed were changed before it, or the tool fades for that */
   HAPTO_TICK_SOFT_STOP = 512,      /* the run was about to end */
@@ -453,12 +453,12 @@ typedef struct hapto_tick {
   int32_t device_state;
   uint32_t reserved;
   double time_s;
-  hapto_pose device_pose;      /* of the handle, as the device reported it, device frame */
-  hapto_twist device_twist;    /* of the handle, device frame */
+  hapto_pose device_pose;      /* handle, as the device reported it, device frame */
+  hapto_twist device_twist;    /* handle, device frame */
   double gripper_open;
   hapto_pose scene_T_tool;
-  HAPTO_RENAMED(hapto_wrench soil_wrench, hapto_wrench soil); /* of the soil on the tool, about its origin, scene frame, unfiltered */
-  hapto_wrench rendered;       /* what the device would be sent without the safety layer, about the handle's origin, device frame */
+  HAPTO_RENAMED(hapto_wrench soil_wrench, hapto_wrench soil); /* soil on tool, about its origin, scene frame, unfiltered */
+  hapto_wrench rendered;       /* output before the safety layer, about the handle's origin, device frame */
   double rendered_gripper_n;   /* > 0 opens the fingers */
   HAPTO_RENAMED(hapto_wrench device_wrench, hapto_wrench felt); /* sent to the device, about the handle's origin, device frame */
   HAPTO_RENAMED(double device_gripper_n, double felt_gripper_n); /* sent to the gripper; > 0 opens the fingers */
@@ -467,24 +467,24 @@ typedef struct hapto_tick {
   double tick_us, late_us;     /* work of this tick, and how late it began */
   uint64_t state_hash;         /* of a part of the soil; 0 without HAPTO_LOOP_HASHES */
 } hapto_tick;
-/* Takes up to `capacity` of the ticks that wait, the oldest first; `count` is how many, `lost` (or NULL) how many nobody took in
- * time so far: take them every second or more often. From the thread that takes snapshots. */
+/* Takes up to `capacity` of the waiting ticks, the oldest first; `count` is their number, `lost` (or NULL) the number lost so far
+* because they were not taken in time: take them every second or more often. From the thread that takes snapshots. */
 HAPTO_API int32_t hapto_loop_take_ticks(hapto_loop *loop, hapto_tick *out, uint64_t capacity, uint64_t *count,
                                         uint64_t *lost);
 
-/* What a recording says about this loop, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set", "device",
+/* Description of this loop for a recording, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set", "device",
  * "device_limits" (JSON), "seed", "threads", "hashed_parts", "start_tick" (0: soil and tool were as the scene says when the
  * loop was made), "tick_s", "paced". With the bytes needed, as hapto_scene_get_toml(). */
 HAPTO_API int32_t hapto_loop_get_header(const hapto_loop *loop, char *json, uint64_t capacity, uint64_t *needed);
 
-/* Lets time stand still, and the hand go (1), or go on (0), between two ticks. From the thread that takes snapshots. */
+/* Pauses time and sets the force to zero (1), or resumes (0), between two ticks. From the thread that takes snapshots. */
 HAPTO_API int32_t hapto_loop_pause(hapto_loop *loop, int32_t on);
 /* As hapto_scene_change() while it runs: no hand feels a jump. From the thread that takes snapshots. */
 HAPTO_API int32_t hapto_loop_change(hapto_loop *loop, const char *const *overrides, uint32_t count);
 
-/* --- the safety layer alone, for hosts with a loop and a device of their own -------------------------------------------- */
+/* --- the safety layer alone, for hosts with their own loop and device --------------------------------------------------- */
 
-/* What stands between a simulated force and a person's hand (docs/explanation/safety.md): plausibility of the input, soft start, the
+/* Protection between a simulated force and a person's hand (docs/explanation/safety.md): plausibility of the input, soft start, the
  * device's limits and rates, passivity.
  * overrides      keys of [safety], "safety.soft_start_s=1".
  * tick_s         of the caller's loop, 0.0001 to 0.1.
@@ -492,8 +492,8 @@ HAPTO_API int32_t hapto_loop_change(hapto_loop *loop, const char *const *overrid
  *                coupling's. */
 HAPTO_API int32_t hapto_safety_create(const hapto_device_limits *limits, const char *const *overrides, uint32_t count,
                                       double tick_s, double stiffness_n_m, hapto_safety **out);
-/* Each tick: what the device told, whether the tick before ended late (1), and what the hand would be made to feel, which
- * becomes what it may: both device frame. [1 kHz] */
+/* Each tick: the device's reading, whether the tick before ended late (1), and the requested output, which is replaced
+* by the permitted one: both device frame. [1 kHz] */
 HAPTO_API int32_t hapto_safety_step(hapto_safety *safety, const hapto_device_input *input, int32_t late,
                                     hapto_device_output *inout);
 typedef struct hapto_safety_info {

@@ -23,7 +23,7 @@
 
 namespace hapto {
 
-/// What a function did not do, and why: its status, and for a wrong value key, value and what would be valid.
+/// Failure of a function: its status and reason; for an invalid value its key, value and valid range.
 class Error : public std::runtime_error {
  public:
   Error(std::int32_t status, const hapto_error &error)
@@ -68,7 +68,7 @@ Struct sized() noexcept {
   return value;
 }
 
-/// What work is being done and how much of it is done, 0 to 1, or -1; false gives up.
+/// Receives the current work and its progress, 0 to 1, or -1; false gives up.
 using Progress = std::function<bool(const char *what, double share)>;
 
 namespace detail {
@@ -108,7 +108,7 @@ class ProgressCall {
   std::exception_ptr thrown_;
 };
 
-/// A text of a function that tells how long it is when there is too little room.
+/// Text of a function that returns the needed length when there is too little room.
 template <class Handle>
 std::string textFrom(std::int32_t (*get)(const Handle *, char *, std::uint64_t, std::uint64_t *), const Handle *handle) {
   std::uint64_t needed = 0;
@@ -464,7 +464,7 @@ class Safety {
     handle_.reset(made);
   }
 
-  /// What the hand may feel of `force`.
+  /// Returns the permitted part of `force`.
   hapto_wrench step(const hapto_device_input &told, const hapto_wrench &force, bool late = false) {
     auto shown = sized<hapto_device_output>();
     shown.wrench = force;

@@ -3,16 +3,16 @@
  * A program sends hapto_network_packet about a thousand times a second to where `haptolith run --device network` listens,
  * 127.0.0.1:9050, and is sent at most one hapto_network_answer for each, after a tick.
  *
- * Byte order: little-endian, numbers IEEE 754, no gaps. What stands here needs no library; structures lie in memory as
- * packets do on the wire, on little-endian machines, so that send(), recv() and memcpy() read and write them.
+ * Byte order: little-endian, numbers IEEE 754, no gaps. This header needs no library; structures have in memory the
+* layout of packets on the wire, on little-endian machines, so that send(), recv() and memcpy() read and write them.
  * Frame: the sender's own, right-handed. A scene's [mapping] puts it into the scene; left out, x is to the right, y away
  * from who looks and z up, and the origin lies 85 mm above the middle of the soil.
  * Units: m, s, rad, N. Velocities are those of the pose in the same packet; all zeros make soil feel undamped.
  *
- * Who shows force to a hand makes it zero when no answer has come for HAPTO_NETWORK_SILENCE_MS: haptolith may be gone.
+* A program that renders force must set it to zero when no answer has arrived for HAPTO_NETWORK_SILENCE_MS: haptolith may be gone.
  *
- * With a key, HAPTO_NETWORK_TAG_BYTES follow what is sent, and a nonce and a tag of as many bytes each follow an answer:
- * docs/reference/udp.md says what they are made of.
+ * With a key, HAPTO_NETWORK_TAG_BYTES follow a sent packet, and a nonce and a tag of that size each follow an answer:
+ * docs/reference/udp.md has their content.
  */
 #ifndef HAPTOLITH_NETWORK_DEVICE_H
 #define HAPTOLITH_NETWORK_DEVICE_H
@@ -39,7 +39,7 @@ extern "C" {
 #define HAPTO_NETWORK_TRIPPED 2u /* the watchdog or a crash has set the forces to zero, and they stay so */
 #define HAPTO_NETWORK_LET_GO HAPTO_NETWORK_TRIPPED /* deprecated */
 
-/* What is sent. */
+/* The sent packet. */
 typedef struct hapto_network_packet {
   char magic[4];                    /* HAPTO_NETWORK_PACKET_MAGIC, without its 0 */
   uint16_t version;                 /* HAPTO_NETWORK_VERSION */
@@ -54,7 +54,7 @@ typedef struct hapto_network_packet {
   double gripper_open;              /* 0 closed to 1 wide open */
 } hapto_network_packet;
 
-/* What comes back. */
+/* The answer. */
 typedef struct hapto_network_answer {
   char magic[4];          /* HAPTO_NETWORK_ANSWER_MAGIC, without its 0 */
   uint16_t version;       /* HAPTO_NETWORK_VERSION */

@@ -1,9 +1,9 @@
-/* libhaptolith_recording: recordings of loops, written, read, and run again to the last bit. A library of its own beside
- * libhaptolith, because it brings HDF5, of which a process should have one.
+/* libhaptolith_recording: recordings of loops, written, read, and replayed bit for bit. A separate library next to
+* libhaptolith, because it brings HDF5, of which a process should have one.
  *
- * The conventions are those of haptolith.h: every function returns a status, hapto_last_error() tells what was wrong, one
- * thread at a time uses a handle, structs begin with `size`. Nothing here is for 1 kHz. What a recording holds, and how other
- * programs read it: docs/how-to/record-and-replay.md.
+ * The conventions are those of haptolith.h: every function returns a status, hapto_last_error() reports the reason, one
+* thread at a time uses a handle, structs begin with `size`. Nothing here is for 1 kHz. Content of a recording, and reading it in other
+* programs: docs/how-to/record-and-replay.md.
  */
 #ifndef HAPTOLITH_RECORDING_H
 #define HAPTOLITH_RECORDING_H
@@ -21,7 +21,7 @@ typedef struct hapto_recorder hapto_recorder;
 enum { HAPTO_RECORDER_OVERWRITE = 1 /* a file that is there; it stays as it is until the new one has been made */ };
 
 /* Begins to record a loop that was made with HAPTO_LOOP_KEEPS_TICKS. With HAPTO_LOOP_HASHES too, begun before the first tick,
- * and of a scene that nobody has stepped or changed before, it can be run again and verified.
+ * and of a scene that has not been stepped or changed before, it can be run again and verified.
  * path          ends in ".h5". Threads of the recorder's write; what was taken is in the file within half a second, and a
  *               program that is killed leaves a file that can be read.
  * frames_per_s  frames with all particles, 0 to 60. */
@@ -37,7 +37,7 @@ HAPTO_API int32_t hapto_recorder_note(hapto_recorder *recorder, const char *kind
  * HAPTO_BUSY: another thread is watching the loop; nothing has been finished. */
 HAPTO_API int32_t hapto_recorder_finish(hapto_recorder *recorder);
 
-typedef struct hapto_recorder_info { /* what is safe in the file */
+typedef struct hapto_recorder_info { /* amount that is safe in the file */
   uint32_t size;
   uint32_t reserved;
   uint64_t ticks, frames, events, bytes;
@@ -68,7 +68,7 @@ HAPTO_API int32_t hapto_recording_get_info(const hapto_recording *recording, hap
 /* The header as a JSON object: "scenario" (the scene as TOML), "title", "program_version", "instruction_set", "device",
  * "device_limits", "host", "started_utc", "seed", "threads", "hashed_parts". With the bytes needed, as hapto_scene_get_toml(). */
 HAPTO_API int32_t hapto_recording_get_header(const hapto_recording *recording, char *json, uint64_t capacity, uint64_t *needed);
-/* What happened, as a JSON array of objects: "time_s", "tick", "kind", "text". Likewise. */
+/* Events, as a JSON array of objects: "time_s", "tick", "kind", "text". Lengths as above. */
 HAPTO_API int32_t hapto_recording_get_events(const hapto_recording *recording, char *json, uint64_t capacity, uint64_t *needed);
 /* Up to `capacity` ticks from number `first` on; `count` is how many there were. */
 HAPTO_API int32_t hapto_recording_read_ticks(const hapto_recording *recording, uint64_t first, hapto_tick *out, uint64_t capacity,
@@ -88,7 +88,7 @@ HAPTO_API int32_t hapto_recording_read_frame(const hapto_recording *recording, u
 
 typedef struct hapto_replay_report {
   uint32_t size;
-  int32_t same;               /* 1: as far as it went, every tick was the recorded one to the last bit */
+  int32_t same;               /* 1: every replayed tick was bit-identical to the recorded one */
   uint64_t ticks;             /* run again */
   uint64_t hashes;            /* of the soil, that were compared */
   uint64_t different_tick;    /* the first that was not the same, from 0, and what of it: */

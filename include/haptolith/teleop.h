@@ -1,12 +1,12 @@
 /* Packets between an operator and a robot, for programs that take the place of either: docs/how-to/teleoperate.md.
  *
- * UDP, little-endian, IEEE 754 numbers. Lengths in m, forces in N, in the site frame: its origin in the middle of the
- * soil's first surface, z up. What stands here needs no library; structures lie in memory as packets do on the wire, on
+ * UDP, little-endian, IEEE 754 numbers. Lengths in m, forces in N, in the site frame: its origin at the centre of the
+* soil's first surface, z up. This header needs no library; structures have in memory the layout of packets on the wire, on
  * little-endian machines, so that memcpy() reads and writes them. With a key, 32 bytes follow each packet:
  *
  *     packet || own nonce (16) || BLAKE2b(key, the other's nonce || packet || own nonce), 16 bytes (RFC 7693)
  *
- * 16 zeros stand in for the other's nonce until a packet of the other's has told it.
+* 16 zeros replace the other's nonce until a packet of the other's has carried it.
  */
 #ifndef HAPTOLITH_TELEOP_H
 #define HAPTOLITH_TELEOP_H
@@ -30,13 +30,13 @@ extern "C" {
 /* Flags of states. */
 #define HAPTO_TELEOP_AT_FORCE_CAP 1u
 #define HAPTO_TELEOP_AT_SPEED_CAP 2u
-#define HAPTO_TELEOP_AT_EDGE 4u /* of its workspace */
+#define HAPTO_TELEOP_AT_EDGE 4u /* at the edge of its workspace */
 
-/* What a robot does. */
+/* States of a robot. */
 enum {
   HAPTO_ROBOT_TARING = 0,
   HAPTO_ROBOT_WAITING = 1,
-  HAPTO_ROBOT_APPROACHING = 2, /* by itself: up, across, and down to where the operator has the tool */
+  HAPTO_ROBOT_APPROACHING = 2, /* automatically: up, across, and down to the operator's tool */
   HAPTO_ROBOT_FOLLOWING = 3,
   HAPTO_ROBOT_HOLDING = 4,
   HAPTO_ROBOT_RETRACTING = 5,
@@ -69,8 +69,8 @@ typedef struct hapto_teleop_command_header {
 } hapto_teleop_command_header;
 
 typedef struct hapto_teleop_command_key {
-  uint64_t index;                  /* of the operator's tick, one a millisecond */
-  float position_m[3];             /* of the tool's origin; each within 10 m */
+  uint64_t index;                  /* index of the operator's tick, one per millisecond */
+  float position_m[3];             /* tool's origin; each within 10 m */
   float orientation_wxyz[4];       /* turns the tool's frame into the site's; of unit length within 1 % */
   float velocity_m_s[3];           /* each within 100 m/s */
   float angular_velocity_rad_s[3]; /* each within 1000 rad/s */
@@ -94,12 +94,12 @@ typedef struct hapto_teleop_state_header {
 } hapto_teleop_state_header;
 
 typedef struct hapto_teleop_robot_report {
-  uint64_t index; /* of the command that it has come to; grows from report to report */
+  uint64_t index; /* index of its last executed command; grows from report to report */
   uint32_t ticks; /* commands up to that one that force and torque are the mean over; 0: it followed none */
   uint32_t zero;
-  float position_m[3]; /* of the tool's origin */
+  float position_m[3]; /* tool's origin */
   float orientation_wxyz[4];
-  float force_n[3];   /* of the soil on the tool, the tool's weight and the sensor's zero taken off */
+  float force_n[3];   /* soil on tool, the tool's weight and the sensor's zero subtracted */
   float torque_nm[3]; /* about the tool's origin */
   float zero_too;
 } hapto_teleop_robot_report;
@@ -117,11 +117,11 @@ typedef struct hapto_teleop_site_header {
   float cell_m;           /* width of a cell; 1e-4 to 1 */
   uint16_t column;        /* first one that the packet is about */
   uint16_t row;
-  uint16_t columns;       /* of the packet: 1 to HAPTO_TELEOP_SITE_SIDE */
+  uint16_t columns;       /* columns of the packet: 1 to HAPTO_TELEOP_SITE_SIDE */
   uint16_t rows;
   uint32_t zero_too;
-  uint64_t number; /* of this packet, one more with each; of its own, beside that of states */
-  uint64_t index;  /* of the command that the robot had come to when it looked */
+  uint64_t number; /* number of this packet, incremented with each; separate from that of states */
+  uint64_t index;  /* index of the robot's last executed command at the time of the view */
 } hapto_teleop_site_header;
 
 #pragma pack(pop)

@@ -199,7 +199,7 @@ RESULTS: dict[str, Any] = {"hapto_version": c_uint32, "hapto_version_string": c_
 
 
 def load(soname: str, signatures: dict[str, list[Any]], results: dict[str, Any]) -> ctypes.CDLL:
-    """A library where HAPTOLITH_LIBRARY is, in the prefix that this package lies in, or where the system finds it."""
+    """Finds a library: at HAPTOLITH_LIBRARY, in the prefix of this package, or by the system."""
     named = os.environ.get("HAPTOLITH_LIBRARY")
     folders = [Path(named).resolve().parent] if named else list(Path(__file__).resolve().parents[:5])
     found = next((str(folder / soname) for folder in folders if (folder / soname).exists()), soname)

@@ -39,7 +39,7 @@ class ProgressLine:
 
 
 def call_long(function: Callable[[Any], int], progress: Optional[Progress]) -> None:
-    """Calls function(callback) on a thread of its own, so that this one hears Ctrl-C; raises what went wrong.
+    """Calls function(callback) on a separate thread, so that this one receives Ctrl-C; raises its exception.
 
     progress(what, share) may return False to give up; what it raises ends the work and is raised here. Without one, an interactive session
     shows a line."""

@@ -16,7 +16,7 @@ from .values import Floats
 
 
 class Batch(Owned):
-    """Steps scenes on threads of its own, with the bits of one by one. threads=0: as many as the machine has."""
+    """Steps scenes on separate threads, bit-identical to one by one. threads=0: as many as the machine has."""
 
     _destroy = _abi.lib.hapto_batch_destroy
     _held: Sequence[object] = ()

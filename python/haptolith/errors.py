@@ -25,7 +25,7 @@ class InvalidParameter(HaptolithError, ValueError):
 
 
 class Failure(HaptolithError):
-    """Understood, and could not be done: no file, no device, soil that does not come to rest."""
+    """A valid request that failed: no file, no device, soil that does not settle."""
 
 
 class Stopped(HaptolithError):
@@ -61,6 +61,6 @@ def error_of(status: int) -> BaseException:
 
 
 def require(status: int) -> None:
-    """Raises what the status stands for, unless it is OK."""
+    """Raises the exception of a status, unless it is OK."""
     if status != _abi.OK:
         raise error_of(status)

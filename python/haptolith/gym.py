@@ -33,7 +33,7 @@ Reward = Callable[["Episode"], float]
 
 @dataclass
 class Box:
-    """Stand-in for gymnasium.spaces.Box."""
+    """Substitute for gymnasium.spaces.Box."""
 
     low: float
     high: float
@@ -56,7 +56,7 @@ def _box(low: float, high: float, shape: tuple[int, ...]) -> Any:
 
 
 class Episode:
-    """One scene while somebody digs in it: what a reward may look at."""
+    """State of one scene during digging, for rewards."""
 
     def __init__(self, scene: Scene, grid: int, level_m: float) -> None:
         self.scene, self.grid, self.level_m = scene, grid, level_m
@@ -101,7 +101,7 @@ class Episode:
         return float(np.count_nonzero(self.scene.positions[:, 2] > self.surface_m + self.level_m)) * self.mass_kg
 
     def heights(self) -> npt.NDArray[np.float32]:
-        """(grid, grid) m: the highest grain's top in each cell, 0 where there is none."""
+        """(grid, grid) m: the highest grain's top in each cell, 0 in empty cells."""
         places = self.scene.positions
         heights = np.zeros((self.grid, self.grid), np.float32)
         i = np.clip(((places[:, 0] / self.width_m + 0.5) * self.grid).astype(int), 0, self.grid - 1)
@@ -171,7 +171,7 @@ class DigEnv:
 
 
 class VecDigEnv:
-    """n of them, stepped together on threads. An episode that has ended begins anew with the next step(), whose action
+    """n of them, stepped together on threads. An episode that has ended restarts with the next step(), whose action
     does not count for it (autoreset mode "next step")."""
 
     def __init__(self, n: int, scene: str = "paper", *, threads: int = 0, **of_each: Any) -> None:

@@ -23,7 +23,7 @@ _lib = _abi.lib
 
 @dataclass
 class Limits:
-    """What a device declares of itself: fields of hapto_device_limits; what is left out is that of an ideal device."""
+    """Limits that a device declares: fields of hapto_device_limits; absent ones are those of an ideal device."""
 
     declared: dict[str, Any] = field(default_factory=dict)
 
@@ -48,7 +48,7 @@ class Limits:
 
 @dataclass
 class DeviceInput:
-    """What a device reports of the handle, device frame."""
+    """State of the handle from a device, device frame."""
 
     position_m: npt.ArrayLike = (0.0, 0.0, 0.0)
     orientation: npt.ArrayLike = (1.0, 0.0, 0.0, 0.0)  # w x y z
@@ -64,14 +64,14 @@ class Device:
     waits for Python meanwhile, so a busy interpreter makes it late; what either raises ends the run."""
 
     name = "device in Python"
-    limits = Limits(simulated=1)  # nobody's hand is at it
+    limits = Limits(simulated=1)  # no person's hand is at it
 
     def read(self) -> DeviceInput:
-        """Where the handle is now."""
+        """Returns the current state of the handle."""
         raise NotImplementedError
 
     def write(self, force_n: Floats, torque_nm: Floats) -> None:
-        """What the hand is to feel, (3,) each, about the handle's origin, device frame."""
+        """Renders force and torque, (3,) each, about the handle's origin, device frame."""
 
 
 class Trip(IntEnum):
@@ -89,7 +89,7 @@ class Trip(IntEnum):
 
 
 class TickFlag(IntFlag):
-    """What happened in a tick or before it: `flags` of ticks, as HAPTO_TICK_... in haptolith.h."""
+    """Events in a tick or before it: `flags` of ticks, as HAPTO_TICK_... in haptolith.h."""
 
     LATE = 1
     ZEROED = 2
@@ -166,7 +166,7 @@ class Loop(Owned):
         self._handle = out.value
 
     def start(self) -> None:
-        """Runs it on a thread of its own, in step with the clock unless the scene says loop.paced = false."""
+        """Runs it on a separate thread, in step with the clock unless the scene sets loop.paced = false."""
         require(_lib.hapto_loop_start(self.address))
 
     def tick(self, late: bool = False) -> bool:
@@ -186,7 +186,7 @@ class Loop(Owned):
             raise self._raised.pop()
 
     def pause(self, on: bool = True) -> None:
-        """Lets time stand still, or go on."""
+        """Pauses time, or resumes it."""
         require(_lib.hapto_loop_pause(self.address, int(on)))
 
     def change(self, **keys: object) -> None:
@@ -195,7 +195,7 @@ class Loop(Owned):
         require(_lib.hapto_loop_change(self.address, _abi.texts(given), len(given)))
 
     def snapshot(self) -> Snapshot:
-        """The newest picture, some 60 a second."""
+        """The newest snapshot, at about 60 Hz."""
         now = _abi.sized(_abi.Snapshot)
         require(_lib.hapto_loop_snapshot(self.address, now))
         if self._raised:

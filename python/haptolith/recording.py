@@ -23,7 +23,7 @@ _H, _COUNT = ctypes.c_void_p, ctypes.POINTER(ctypes.c_uint64)
 
 
 class RecorderInfo(ctypes.Structure):
-    """What is safe in the file; see recording.h."""
+    """Amount that is safe in the file; see recording.h."""
 
     _fields_ = [("size", ctypes.c_uint32), ("reserved", ctypes.c_uint32), ("ticks", ctypes.c_uint64),
                 ("frames", ctypes.c_uint64), ("events", ctypes.c_uint64), ("bytes", ctypes.c_uint64),
@@ -99,7 +99,7 @@ class Recorder(Owned):
 
     @property
     def info(self) -> RecorderInfo:
-        """What is safe in the file: ticks, frames, events, bytes, missing, frames_left_out."""
+        """Amount that is safe in the file: ticks, frames, events, bytes, missing, frames_left_out."""
         info = _abi.sized(RecorderInfo)
         require(_lib.hapto_recorder_get_info(self.address, info))
         return info  # type: ignore[no-any-return]
@@ -114,7 +114,7 @@ class Recorder(Owned):
 
 @dataclass(frozen=True)
 class Replay:
-    """What running a recording again has shown; see hapto_replay_report. same: as far as it went, to the last bit."""
+    """Result of a replay; see hapto_replay_report. same: every replayed tick was bit-identical."""
 
     same: bool
     ticks: int
@@ -151,7 +151,7 @@ class Recording(Owned):
 
     @property
     def events(self) -> list[dict[str, Any]]:
-        """What happened: time_s, tick, kind, text."""
+        """Events: time_s, tick, kind, text."""
         loaded: list[dict[str, Any]] = json.loads(self._text(_lib.hapto_recording_get_events))
         return loaded
 

@@ -1,4 +1,4 @@
-"""What the library tells in more than a number."""
+"""Results of the library with more than one number."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The safety layer alone, for hosts with a loop and a device of their own."""
+"""The safety layer alone, for hosts with their own loop and device."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Safety(Owned):
         self._shown = _abi.sized(_abi.DeviceOutput)
 
     def step(self, pose: PoseLike, force: npt.ArrayLike, late: bool = False) -> Wrench:
-        """What a hand at `pose` may feel of force (3,) N or wrench (6,), all device frame. Call it every tick."""
+        """Returns the permitted part of a force (3,) N or wrench (6,) for a hand at `pose`, all device frame. Call it every tick."""
         numbers = pose_numbers(pose)
         wanted = np.zeros(6)
         given = np.asarray(force, dtype=np.float64)
@@ -64,7 +64,7 @@ class Safety(Owned):
 
     @property
     def info(self) -> SafetyInfo:
-        """How it is doing."""
+        """State of the safety layer."""
         info = _abi.sized(_abi.SafetyInfo)
         require(_abi.lib.hapto_safety_get_info(self.address, info))
         return SafetyInfo((info.trip or b"").decode(), info.trips, info.flags, info.injected_j)

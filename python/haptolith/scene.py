@@ -101,13 +101,13 @@ class Scene:
 
     @classmethod
     def from_state(cls, state: bytes) -> Scene:
-        """A scene that goes on from `state` with the same bits; nothing has to settle again."""
+        """Returns a scene that continues from `state` with the same bits, without settling again."""
         out = ctypes.c_void_p()
         require(_lib.hapto_scene_from_state(state, len(state), ctypes.byref(out)))
         return cls._of(out.value or 0)
 
     def clone(self) -> Scene:
-        """Another scene that goes on from here with the same bits."""
+        """Returns another scene that continues from here with the same bits."""
         out = ctypes.c_void_p()
         require(_lib.hapto_scene_clone(self.address, ctypes.byref(out)))
         return Scene._of(out.value or 0)
@@ -138,7 +138,7 @@ class Scene:
 
     @property
     def handle(self) -> _Handle:
-        """What keeps the library's scene alive. Raises as address."""
+        """Keeps the library's scene alive. Raises as address."""
         if self._handle is None:
             raise HaptolithError("this scene has been closed", _abi.DESTROYED)
         return self._handle
@@ -200,24 +200,24 @@ class Scene:
 
     @property
     def contact_stiffness(self) -> Floats:
-        """(3, 3) in N/m: dF = -K dx while the soil goes on as it does."""
+        """(3, 3) in N/m: dF = -K dx with unchanged velocities of the soil."""
         k = np.empty((3, 3))
         require(_lib.hapto_scene_get_contact_stiffness(self.address, k.ctypes.data))
         return k
 
     @property
     def grip_force(self) -> float:
-        """How hard the soil pushed the jaws apart in the last tick, N."""
+        """Force of the soil that opened the jaws in the last tick, N."""
         n = ctypes.c_double()
         require(_lib.hapto_scene_get_grip_force(self.address, ctypes.byref(n)))
         return n.value
 
     def set_opening(self, share: float) -> None:
-        """How far jaws are to open by the end of the next tick, 0 to 1."""
+        """Sets the opening of the jaws at the end of the next tick, 0 to 1."""
         require(_lib.hapto_scene_set_opening(self.address, share))
 
     def set_tool_fade(self, share: float) -> None:
-        """How much of itself the tool is, 0 to 1, from the next tick on."""
+        """Sets the present fraction of the tool, 0 to 1, from the next tick on."""
         require(_lib.hapto_scene_set_tool_fade(self.address, share))
 
     def set_gravity(self, m_s2: npt.ArrayLike) -> None:
@@ -286,7 +286,7 @@ class Scene:
 
     @property
     def contact_loads(self) -> npt.NDArray[np.float32]:
-        """How hard its neighbours press each particle, (n,) N: a picture of force chains; a copy."""
+        """Load of each particle by its neighbours, (n,) N: shows force chains; a copy."""
         return self._copy(_abi.CONTACT_LOAD, np.float32)
 
     @property

@@ -15,7 +15,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the tool's frame stands in the scene's: scene_T_tool."""
+    """Pose of the tool's frame in the scene's: scene_T_tool."""
 
     position_m: Sequence[float]
     orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0)  # w x y z, of norm 1
@@ -121,7 +121,7 @@ def overrides_of(named: Mapping[str, object]) -> list[str]:
 
 
 def text_from(call: Callable[[Any, int, Any], int], room: int = 0) -> bytes:
-    """What a function hands out: how much, then what; at once if there is room enough."""
+    """Output of a function with a size query: the size first, then the data, in one call if there is room."""
     from . import _abi
     from .errors import require
 

@@ -64,7 +64,7 @@ while IFS=: read -r field value; do
 done < "$source/debian/tests/control"
 
 # As a part of somebody's build, with the packages that docs/how-to/library.md names, and no others of ours.
-needs $(sed -n '/add_subdirectory(haptolith)/,/to build/p' "$source/docs/library.md" | grep -oE 'lib[a-z0-9-]+-dev|nlohmann-json3-dev') g++ cmake ninja-build pkg-config
+needs $(sed -n '/add_subdirectory(haptolith)/,/to build/p' "$source/docs/how-to/library.md" | grep -oE 'lib[a-z0-9-]+-dev|nlohmann-json3-dev') g++ cmake ninja-build pkg-config
 run add-subdirectory 'tests/c_api/consumers.sh add_subdirectory installed "$AUTOPKGTEST_TMP/work"'
 
 # The first hour, for a robotics engineer and in Python, from what is installed.

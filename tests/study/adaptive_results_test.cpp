@@ -77,7 +77,7 @@ TEST(AdaptiveResults, AreNoneBeforeTheFirstAnswerAndUnfinishedAtFirst) {
   EXPECT_THROW((void)procedureOf(aBlock(""), kSeed), InvalidParameter) << "constant stimuli have no procedure";
 }
 
-/// docs/reference/psychometrics.md has 400 people of each kind: haptolith_adaptive_coverage.
+/// docs/reports/psychometric-coverage.md has 400 people of each kind: haptolith_adaptive_coverage.
 TEST(AdaptiveResults, OfStaircasesHaveLittleBiasWhereTheirReversalsHaveMuch) {
   constexpr int kPeople = 60;
   const StudyBlock block = aStaircase();

@@ -456,31 +456,33 @@ INSTANTIATE_TEST_SUITE_P(
 // --- the document
 // -----------------------------------------------------------------------------------------------------
 
+std::string pagesOfKeys() {
+  return readSource("docs/reference/protocol-keys.md") + readSource("docs/reference/protocol-tables.md");
+}
+
 template <class Key>
 void expectDocumented(std::span<const Key> keys, const std::string& top, std::string_view within = "") {
-  const std::string document = readSource("docs/how-to/studies.md");
+  const std::string document = pagesOfKeys();
   for (const Key& key : keys) {
-    const std::string heading = key.table.empty() ? top : fmt::format("### [{}{}]\n", within, key.table);
+    const std::string heading = key.table.empty() ? top : fmt::format("\n## [{}{}]\n", within, key.table);
     const std::size_t section = document.find(heading);
     ASSERT_NE(section, std::string::npos) << "no section " << heading;
-    const std::string text = document.substr(section, document.find("\n##", section + 1) - section);
+    const std::string text = document.substr(section, document.find("\n#", section + 1) - section);
     EXPECT_THAT(text, HasSubstr(fmt::format("| `{}` | {} | {} |\n", key.name, validText(key), key.meaning)));
   }
 }
 
 TEST(ProtocolKeys, AreAllInTheDocument) {
-  expectDocumented(protocolKeys(), "### At the top\n");
-  expectDocumented(groupKeys(), "### [[groups]]\n");
-  expectDocumented(blockKeys(), "### [[block]]\n", "block.");
-  expectDocumented(itemKeys(), "### [[demographics]], [[block.item]], [[item]]\n");
+  expectDocumented(protocolKeys(), "\n## At the top\n");
+  expectDocumented(groupKeys(), "\n## [[groups]]\n");
+  expectDocumented(blockKeys(), "\n## [[block]]\n", "block.");
+  expectDocumented(itemKeys(), "\n## [[demographics]], [[block.item]], [[item]]\n");
 }
 
 TEST(ProtocolKeys, TheDocumentHasNoOthers) {
-  const std::string document = readSource("docs/how-to/studies.md");
-  const std::size_t begin = document.find("\n## Protocols\n");
-  const std::string section = document.substr(begin, document.find("\n## ", begin + 1) - begin);
+  const std::string document = pagesOfKeys();
   std::size_t rows = 0;
-  for (std::size_t at = section.find("\n| `"); at != std::string::npos; at = section.find("\n| `", at + 1)) {
+  for (std::size_t at = document.find("\n| `"); at != std::string::npos; at = document.find("\n| `", at + 1)) {
     ++rows;
   }
   EXPECT_EQ(rows, protocolKeys().size() + groupKeys().size() + blockKeys().size() + itemKeys().size());

@@ -29,7 +29,7 @@ constexpr const char* kStudyNewExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
   haptolith study new mine.study --protocol mine.toml
 
-Built in: {}. docs/how-to/studies.md explains how to write one.)";
+Built in: {}. docs/reference/protocol-keys.md explains how to write one.)";
 
 struct NewOptions {
   std::string file, protocol;
@@ -87,7 +87,7 @@ void makeStudy(const NewOptions& options) {
   if (built_in && protocol.consent.find('[') != std::string::npos) {
     printNotice(
         fmt::format("The consent page has text in [BRACKETS] to be filled in: good for 'study simulate' and 'study run "
-                    "--trial-run'; for a study, write a protocol of your own (docs/how-to/studies.md).\n"));
+                    "--trial-run'; for a study, write a protocol of your own (docs/reference/protocol-keys.md).\n"));
   }
 }
 

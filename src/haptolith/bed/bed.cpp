@@ -21,9 +21,9 @@ namespace {
 /// to be entered again more often. At 0.5 the next shell of a close packing (2 sqrt(2) R) stays just outside.
 constexpr double kSkinRadii = 0.5;
 
-/// Neighbours further apart than a contact reaches and this besides, in radii, are not near, and as long as none has
-/// gone half as far, they do not touch: the rows that hold nobody else are left out (InnerRows). Larger: more rows for
-/// every step; smaller: more looks.
+/// Margin of the inner list, in radii: neighbours further apart than a contact reaches plus this margin cannot touch
+/// until one has moved half the margin. Rows that hold only such neighbours are skipped (InnerRows). Larger: more rows
+/// in every step; smaller: more frequent pruning.
 constexpr double kInnerSkinRadii = 0.1;
 
 /// In a box as wide as this a position is known to 3e-8 m: in substeps of a third of a millisecond everything that is
@@ -41,13 +41,13 @@ int usefulThreads(const BedParameters& bed, std::size_t particles) {
   return std::clamp(static_cast<int>(particles / particlesPerThread(bed.soil.friction)), 1, bed.threads);
 }
 
-/// A loop is shared out in so many parts that a thread whose core is taken away holds up the others by little.
+/// Number of parts of a loop: many small ones, so that a preempted thread delays the step by one part at most.
 int mostParts(int threads) {
   constexpr int kPartsPerThread = 32;
   return threads == 1 ? 1 : kPartsPerThread * threads;
 }
 
-/// Parts for so many groups: none so small that taking it costs more than a few hundredths of it.
+/// Number of parts for a number of groups: each large enough that taking it costs a few per cent of it at most.
 int partsFor(const BedParameters& bed, std::size_t groups, int threads) {
   constexpr std::size_t kGroupsPerPart = 8;
   return usefulThreads(bed, groups * kGroup) == 1
@@ -163,7 +163,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
   if (!neighbourhood_.buildAll(state_.reference_position, state_.contacts)) {
     throw InvalidParameter("centres_m", fmt::format("{} particles", n), "apart from each other");
   }
-  if (team_.size() > 1 && grain_class_.empty()) {  // of several sizes it was no faster
+  if (team_.size() > 1 && grain_class_.empty()) {  // graded beds gain nothing
     wakefulness_.setOrder(groupsInSlabs(grains, parameters.soil.radius_m));
   }
 }
@@ -206,7 +206,7 @@ StepStatus Bed::step(double dt_s) noexcept {
   if (stones_.size() > 0 && !pressStones(dt_s)) {
     return StepStatus::kCollapsed;
   }
-  wakefulness_.listAwake();  // somebody may have been woken since the last step
+  wakefulness_.listAwake();  // groups may have been woken since the last step
   parts_ = partsFor(parameters_, wakefulness_.awake().size(), team_.size());
   team_.run([](void* bed, int part, int parts) noexcept { static_cast<Bed*>(bed)->stepPart(part, parts); }, this,
             parts_);
@@ -346,7 +346,7 @@ void Bed::stepPart(int part, int parts) noexcept {
 }
 
 void Bed::pruneIfMovedFar(double dt_s) noexcept {
-  constexpr double kRounded = 0.98;  // of the way: positions and distances are rounded
+  constexpr double kRounded = 0.98;  // margin for rounded positions and distances
   float fastest_squared = 0;
   for (const Moved& moved : movedOfParts()) {
     fastest_squared = std::max(fastest_squared, moved.fastest_squared);
@@ -369,7 +369,7 @@ bool Bed::rebuildListsOfMoved() noexcept {
   if (count == 0) {
     return true;
   }
-  std::sort(moved_.begin(), moved_.begin() + static_cast<std::ptrdiff_t>(count));  // whoever worked on them
+  std::sort(moved_.begin(), moved_.begin() + static_cast<std::ptrdiff_t>(count));  // independent of the threads
   list_rebuilds_ += count;
   const std::int64_t start_ns = monotonicNs();
   const bool fits =

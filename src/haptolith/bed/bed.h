@@ -20,7 +20,7 @@
 
 namespace haptolith {
 
-/// How a step ended. Anything but kOk means that the state can no longer be trusted.
+/// Result of a step. Any value but kOk means that the state can no longer be trusted.
 enum class StepStatus { kOk, kNotFinite, kCollapsed };
 
 [[nodiscard]] const char* text(StepStatus status) noexcept;
@@ -31,7 +31,7 @@ using SettleProgress = std::function<bool(double time_s, double speed_m_s)>;
 /// Soil and stones as they lie in a bed: what it takes to make another bed of them.
 struct LyingSoil {
   std::vector<Float4> grains;  ///< centres, m; w: by how much a grain's radius exceeds the soil's
-  std::size_t held = 0;        ///< the last so many stand for ever, where a settled bed ends
+  std::size_t held = 0;        ///< number of fixed particles, the last ones, outside the sides of a settled bed
   std::vector<Pose> stones;    ///< scene_T_stone
 };
 
@@ -45,11 +45,11 @@ struct GrainMove {
 /// A box of identical macroparticles: their contacts, friction and gravity. With the paper's friction contacts follow
 /// (paper 19), friction (14) and damping (20); with contact friction see friction-inl.h.
 ///
-/// After construction nothing allocates. The same parameters, start and forces give the same bits for any number of
+/// After construction nothing allocates. Equal parameters, start and forces give equal bits for any number of
 /// threads, on machines with the same instruction set.
 class Bed {
  public:
-  /// Makes the bed's first state as `parameters.start` asks (see bed_start.h and bed_tile.h); what settles tells
+  /// Makes the bed's first state according to `parameters.start` (see bed_start.h and bed_tile.h); settling reports to
   /// `progress`.
   /// @throws InvalidParameter when the parameters are not valid or the particles do not fit; Failure as settle().
   explicit Bed(const BedParameters& parameters, const SettleProgress& progress = {});
@@ -58,16 +58,16 @@ class Bed {
   /// where `stones` has them, by scene_T_stone; without it where the parameters put them.
   Bed(const BedParameters& parameters, const std::vector<Vec3>& centres_m, const std::vector<Pose>& stones = {});
 
-  /// The same with each grain's size: w is by how much its radius exceeds the soil's. In a graded bed grains come in
-  /// whole groups of 16 of one class, but for the last.
+  /// As above with each particle's size: w is the excess of its radius over the soil's. In a graded bed the particles
+  /// form complete groups of 16 of one class, except the last group.
   Bed(const BedParameters& parameters, const std::vector<Float4>& grains, const std::vector<Pose>& stones = {});
 
-  /// The same of soil that lay in a bed of such parameters, its held grains held again. What contacts remembered of
-  /// slipping is forgotten.
+  /// As above from soil of a bed with such parameters; its held particles are held again. The friction memory of
+  /// contacts is cleared.
   Bed(const BedParameters& parameters, const LyingSoil& lying);
 
-  /// A bed that goes on from a saved one of the same parameters bit for bit, without being settled again. Soil and
-  /// gravity may have been changed since it was made: `parameters` has them as they were when it was saved.
+  /// Continues a saved bed of the same parameters bit for bit, without settling again. Soil and gravity may have
+  /// changed since the bed was made: `parameters` holds their values at the time of saving.
   /// @throws InvalidParameter as restore().
   Bed(const BedParameters& parameters, const SavedBed& saved);
 
@@ -90,7 +90,7 @@ class Bed {
   /// A step comes within so long: the other threads wake up and look for it. May be called in the tick's thread,
   /// between ticks.
   void expectStep(std::int64_t within_ns) noexcept { team_.expect(within_ns); }
-  /// How the other threads are scheduled. May be called in the tick.
+  /// Sets the scheduling of the other threads. May be called in the tick.
   void scheduleHelpers(const HelperSchedule& schedule) noexcept { team_.schedule(schedule); }
 
   /// From the next step on a particle moves with this velocity, whatever pushes it, and others feel it as before: rough
@@ -101,10 +101,10 @@ class Bed {
   void wake(std::size_t particle) noexcept { wakefulness_.wakeAround(particle, state_); }
 
   /// Puts a particle somewhere else, at rest. Its neighbours are found by the end of the next step, so it must touch
-  /// nobody there. May be called in the tick.
+  /// none there. May be called in the tick.
   void place(std::size_t particle, const Vec3& position_m) noexcept;
 
-  /// Puts a grain somewhere else, at rest, if all is as whoever asks for it has seen it: the grain is free and within a
+  /// Puts a grain somewhere else, at rest, if the state is as the caller has seen it: the particle is free and within a
   /// tenth of R of where it was, and in its new place it touches neither grains nor stones nor walls. False, and it
   /// stays, otherwise. May be called in the tick.
   [[nodiscard]] bool moveGrain(const GrainMove& move) noexcept;
@@ -112,7 +112,7 @@ class Bed {
   /// Lets a driven particle go.
   void release(std::size_t particle) noexcept;
 
-  /// Whether friction and cohesion are switched off and falling soil slowed down, for a dense bed that comes to rest
+  /// Whether friction and cohesion are switched off and falling soil slowed down, for a dense bed that settles
   /// soon. With a tool in it settle() cannot be used; this can.
   void setSettling(bool settling) noexcept;
 
@@ -123,13 +123,13 @@ class Bed {
   /// isCompatible(). May be called in the tick.
   void setSoil(const SoilLaws& laws) noexcept;
 
-  /// The same, of a soil whose contacts reach as far, with a little more or less friction and cohesion: what sleeps
-  /// goes on sleeping, and is such soil when something wakes it. May be called in the tick.
+  /// Sets a soil with equal contact range and slightly different friction and cohesion. Sleeping particles stay asleep
+  /// and have the new laws when they wake. May be called in the tick.
   void adjustSoil(const SoilLaws& laws) noexcept;
 
   /// Whether nothing can push a particle: driven ones, and soil that is held where a box of settled soil ends.
   [[nodiscard]] bool isDriven(std::size_t particle) const noexcept { return state_.velocity[particle].w != 0; }
-  /// How many particles are held, see LaidSoil; the tool does not feel them.
+  /// Number of held particles, see LaidSoil; they exert no force on the tool.
   [[nodiscard]] std::size_t heldParticles() const noexcept;
   /// Not for the tick.
   [[nodiscard]] LyingSoil lying() const;
@@ -138,9 +138,9 @@ class Bed {
   /// was driven.
   [[nodiscard]] Vec3 contactForce(std::size_t particle) const noexcept;
 
-  /// Lets the particles fall and come to rest without friction, then stops them where they are and sets the step count
+  /// Lets the particles fall and settle without friction, then stops them and sets the step count
   /// to 0. Not for the tick.
-  /// @throws Failure when the bed does not come to rest within `longest_s` of simulated time, or `progress` gives up.
+  /// @throws Failure when the bed does not settle within `longest_s` of simulated time, or `progress` gives up.
   void settle(double dt_s, double longest_s, const SettleProgress& progress = {});
 
   /// Kinetic plus gravitational plus contact energy, that of stretched friction included, in J; gravity's zero is the
@@ -155,19 +155,19 @@ class Bed {
   [[nodiscard]] double surfaceHeight() const noexcept;
 
   [[nodiscard]] std::size_t particles() const noexcept { return state_.particles(); }
-  /// How many of them the last step left awake, counted in whole groups: see Wakefulness.
+  /// Number of particles that the last step left awake, in complete groups: see Wakefulness.
   [[nodiscard]] std::size_t awake() const noexcept {
     return std::min(particles(), wakefulness_.awake().size() * kGroup);
   }
   [[nodiscard]] const BedParameters& parameters() const noexcept { return parameters_; }
   [[nodiscard]] const ContactLaw& law() const noexcept { return laws_.pair; }
-  /// Of a particle of the soil's own radius.
+  /// Mass of a particle of the soil's own radius, kg.
   [[nodiscard]] double mass() const noexcept { return laws_.mass_kg; }
   /// Sizes of grain, and which a particle is of.
   [[nodiscard]] const GrainClasses& classes() const noexcept { return laws_.graded.classes; }
   [[nodiscard]] int classOf(std::size_t particle) const noexcept { return classes().of(state_.position[particle].w); }
-  /// How many grains of which class stand one after the other, from the first particle on; it never changes, so other
-  /// threads than the tick's may ask, too. Not for the tick.
+  /// Run lengths of particle classes, from the first particle on. They never change, so threads other than the tick's
+  /// may also read them. Not for the tick.
   struct GrainRun {
     int grain_class;
     std::size_t count;
@@ -176,41 +176,41 @@ class Bed {
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
   [[nodiscard]] const Stones& stones() const noexcept { return stones_; }
   [[nodiscard]] Stones& stones() noexcept { return stones_; }
-  /// As stateHash(), of the stones, too. May be called in the tick.
+  /// As stateHash(), with the stones. May be called in the tick.
   [[nodiscard]] std::uint64_t hash(std::size_t part = 0, std::size_t parts = 1) const noexcept;
   [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
   [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
-  /// How often a particle was entered again into the neighbour lists because it had moved on: see Neighbourhood.
+  /// Number of particles whose neighbour lists were rebuilt because they had moved: see Neighbourhood.
   [[nodiscard]] std::uint64_t listRebuilds() const noexcept { return list_rebuilds_; }
   /// Time that took since the last call, in us. May be called in the tick.
   [[nodiscard]] double takeListRebuildUs() noexcept;
   /// Bytes of memory in use for the particles, all arrays together.
   [[nodiscard]] std::size_t bytes() const noexcept;
 
-  /// All that the bed needs to go on from here, in this bed or another. Not for the tick.
+  /// Returns everything that a bed needs to continue from here, in this bed or another. Not for the tick.
   [[nodiscard]] SavedBed save() const;
-  /// Goes on from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
+  /// Continues from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
   /// particles, holds NaN or infinity, or has collapsed; the bed is then as it was.
   void restore(const BedState& state);
-  /// The same with what is near the tool.
+  /// As above, with the groups near the tool.
   void restore(const SavedBed& saved);
 
  private:
-  static constexpr std::size_t kBits = 64;  ///< of a word
+  static constexpr std::size_t kBits = 64;  ///< bits per word
   Bed(const BedParameters& parameters, const std::vector<Float4>& grains, double grid_height_m);
   void noteClasses();
-  /// What a bed is made of at first, and of what it remembers its contacts.
+  /// Initial particles of a bed, and the source of their contact memory.
   struct StartingSoil {
     BedTile tile;
     LaidSoil laid;
   };
   Bed(const BedParameters& parameters, const StartingSoil& soil, const SettleProgress& progress);
   [[nodiscard]] static StartingSoil startingSoil(const BedParameters& bed, const SettleProgress& progress);
-  /// Grains of several sizes that have settled together, beside coarse ones that are held.
+  /// Particles of several sizes that have settled together, next to coarse ones that are held.
   [[nodiscard]] static LaidSoil gradedSoil(const BedParameters& bed, const SettleProgress& progress);
   /// Takes over what the contacts of laid soil remember.
   void recall(const StartingSoil& soil) noexcept;
-  /// Soil from free_particles on stands for ever where it stands; the rest lies as it did in its tile, and may sleep.
+  /// Fixes the particles from free_particles on; the others are as in their tile and may sleep.
   void holdSides(std::size_t free_particles) noexcept;
   /// Makes the stones of the parameters, all at the origin of the scene.
   void makeStones();
@@ -248,7 +248,7 @@ class Bed {
   std::vector<Float4> external_;
   std::vector<Float4> contact_force_;
   std::vector<std::uint8_t> near_walls_;   ///< see StepArrays
-  std::vector<std::uint8_t> grain_class_;  ///< of each group; empty where all grains are alike
+  std::vector<std::uint8_t> grain_class_;  ///< class of each group; empty if all particles have one size
   Neighbourhood neighbourhood_;
   double grid_height_m_;
   Wakefulness wakefulness_;
@@ -257,7 +257,8 @@ class Bed {
   std::vector<std::uint32_t> near_groups_;
   std::optional<Neighbourhood::Place> near_place_;  ///< whose groups near_before_ are; none: what was restored
   bool near_now_is_before_ = false;
-  std::vector<std::int32_t> moved_;  ///< who has left its place in this step: each part's from its first particle on
+  std::vector<std::int32_t>
+      moved_;  ///< particles that left their list position in this step: each part's from its first particle on
   WorkerTeam team_;
   int parts_ = 1;  ///< that the present step is shared out in
   std::vector<Moved> moved_of_part_;

@@ -60,7 +60,7 @@ double Bed::energy() const {
         const ContactFrictionLaw& law = law_between(own, other);
         energy += contactEnergy(pairs[index(own, other)],
                                 apart.norm() - excess - state_.position[j].w - law.diameter_deficit);
-        if (hasContactFriction()) {  // of the side that is awake
+        if (hasContactFriction()) {  // stored with the side that is awake
           const ContactLists& lists = state_.contacts;
           const bool other_side = state_.asleep(i / kGroup);
           const std::uint32_t back = other_side ? lists.find(j, static_cast<std::int32_t>(i)) : 0;

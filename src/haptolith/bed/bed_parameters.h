@@ -14,21 +14,21 @@
 
 namespace haptolith {
 
-/// How the macroparticles lie at the first tick.
+/// Arrangement of the particles at the first tick.
 enum class BedStart {
   kPacked,   ///< close packing at the analytic layer spacing b(n), filled up to `depth_m`
   kRain,     ///< dropped loosely at random and settled without friction, `particles` of them
   kCount,    ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
   kSettled,  ///< as soil that has settled, at rest: a tile of `depth_m` again and again (bed_tile.h)
-  kGiven,    ///< where `given` has them: of a file, or of another program; then they find their hold and come to rest
+  kGiven,    ///< positions of `given`, from a file or another program; then friction builds up and they settle
 };
 
-/// Grains that somebody has put where they are.
+/// Particles with given positions.
 struct GivenGrains {
   /// Centres in m; the fourth number is by how much a grain's radius exceeds the soil's. Null: none.
   std::shared_ptr<const std::vector<std::array<float, 4>>> grains;
-  std::size_t held = 0;  ///< the last so many stand for ever, behind the sides of the box
-  std::string name;      ///< of the file, for messages; does not count when two are compared
+  std::size_t held = 0;  ///< number of fixed particles, the last ones, outside the sides of the box
+  std::string name;      ///< name of the file, for messages; ignored by comparisons
 
   [[nodiscard]] std::size_t count() const noexcept { return grains == nullptr ? 0 : grains->size(); }
   [[nodiscard]] bool operator==(const GivenGrains& other) const;
@@ -70,7 +70,7 @@ struct BedParameters {
 
   /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
   /// at rest, nor what has gone further than the distance from where it came to rest. The default is so slow that
-  /// hardly a position changes in its last digit. At 0 only what stands quite still sleeps, as soil with the paper's
+  /// almost no position changes in its last digit. At 0 only motionless particles sleep, as soil with the paper's
   /// friction does, and no bit changes. Digging in large beds wants 0.01 m/s and a hundredth of a radius: grains that
   /// find new places ring like bells, so that soil far from the tool swings at some mm/s, but by a few um only.
   bool sleep = true;
@@ -87,7 +87,7 @@ struct BedParameters {
 /// No bed is larger: it would need gigabytes and minutes for a tick.
 inline constexpr int kMostParticles = 10'000'000;
 
-/// What is valid of each number alone; a box is at least a particle wide, long and deep.
+/// Valid range of each number alone; a box is at least a particle wide, long and deep.
 struct BedRanges {
   static constexpr Range gravity_m_s2{0, 1000};
   static constexpr Range length_m{1e-5, 100};  ///< width, length and depth
@@ -105,17 +105,17 @@ struct BedRanges {
   static constexpr Range threads{1, 256};
 };
 
-/// After how much a box may repeat itself at least, in m: three cells of the neighbour search, so that nobody meets
-/// another particle from both sides.
+/// After how much a box may repeat itself at least, in m: three cells of the neighbour search, so that no pair
+/// touches on both sides.
 [[nodiscard]] double shortestPeriod(const SoilParameters& soil);
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const BedParameters& bed);
 
-/// The same parameters after validate(): lets wrong ones go no further than the first member that is made of them.
+/// Returns the parameters after validate(): wrong ones stop at the first member that is made of them.
 [[nodiscard]] const BedParameters& validated(const BedParameters& bed);
 
-/// How many sizes of grain a bed has: 1 when all are alike. @throws InvalidParameter when `fine_radius_m` is not the
+/// Number of particle sizes in a bed: 1 when all are alike. @throws InvalidParameter when `fine_radius_m` is not the
 /// soil's halved a few times.
 [[nodiscard]] int grainClasses(const BedParameters& bed);
 

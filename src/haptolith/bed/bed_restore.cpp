@@ -1,4 +1,4 @@
-// How a bed is saved, and how one goes on from what was saved.
+// Saves a bed, and continues a saved one.
 
 #include <fmt/format.h>
 
@@ -41,7 +41,7 @@ std::vector<Float4> grainsOf(const BedState& state) {
   return {state.reference_position.begin(), state.reference_position.begin() + static_cast<std::ptrdiff_t>(n)};
 }
 
-/// How high soil stood when the bed was made. @throws InvalidParameter.
+/// Height of the soil when the bed was made. @throws InvalidParameter.
 double gridHeight(const SavedBed& saved) {
   constexpr Range kHeight_m{0, 1e3};
   return requireInRange("grid_height_m", saved.grid_height_m, kHeight_m);
@@ -237,7 +237,7 @@ void Bed::restore(const BedState& state) {
   std::fill(state_.reference_position.begin() + static_cast<std::ptrdiff_t>(n), state_.reference_position.end(),
             kGhost);
   std::fill(state_.velocity.begin() + static_cast<std::ptrdiff_t>(n), state_.velocity.end(), kGhostVelocity);
-  next_position_ = state_.position;  // who sleeps stands in both
+  next_position_ = state_.position;  // sleeping particles are in both
   next_velocity_ = state_.velocity;
   wakefulness_.takeOver(state_);
   stones_.lookAgain();

@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
 
 constexpr char kBedMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
-constexpr char kMagicOfWide[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '5'};  // the same, and remainders
+constexpr char kMagicOfWide[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '5'};  // with remainders
 
 constexpr std::string_view kStonesFollow = "HAPSTNS:";  // no bed begins with it
 

@@ -16,8 +16,8 @@ struct alignas(16) Float4 {
   float x = 0, y = 0, z = 0, w = 0;
 };
 
-/// How far a group's particles have slid along the floor and the nearest wall of each pair since they came to touch
-/// them, in m: 16 of each, side by side.
+/// Slip of a group's particles along the floor and the nearest wall of each pair since contact began,
+/// in m: 16 of each, side by side.
 struct alignas(64) WallSlips {
   std::array<float, kGroup> floor_x{}, floor_y{};    ///< floor
   std::array<float, kGroup> x_wall_y{}, x_wall_z{};  ///< walls at x = +-width/2
@@ -28,22 +28,22 @@ struct alignas(64) WallSlips {
 inline constexpr Float4 kGhost{1e9F, 1e9F, 1e9F, 0};
 inline constexpr Float4 kGhostVelocity{0, 0, 0, 1};
 
-/// Everything that changes while a bed runs. Restoring it and going on gives the same bits as never having stopped.
+/// Everything that changes while a bed runs. A restored bed continues with the same bits as one that never stopped.
 ///
 /// Records come in groups (paddedCount()). Those behind the particles are ghosts, infinitely far for the contact law;
 /// the first of them, index n, fills up the lists.
 struct BedState {
-  std::uint64_t step = 0;         ///< substeps since the start
-  std::vector<Float4> position;   ///< m; w is by how much the particle's radius exceeds the mean
-  std::vector<Float4> velocity;   ///< m/s; w: 0, or kDriven or kHeld
-  std::vector<Float4> remainder;  ///< m; how much further than `position` can tell a particle has gone; empty but
-                                  ///< in wide boxes, where slow particles would otherwise stand still
-  std::vector<Float4> reference_position;  ///< where the neighbour lists have each particle: see Neighbourhood
-  ContactLists contacts;                   ///< who may touch whom; with contact friction what it remembers, in m
+  std::uint64_t step = 0;                  ///< substeps since the start
+  std::vector<Float4> position;            ///< m; w is by how much the particle's radius exceeds the mean
+  std::vector<Float4> velocity;            ///< m/s; w: 0, or kDriven or kHeld
+  std::vector<Float4> remainder;           ///< m; movement below the resolution of `position`; empty except
+                                           ///< in wide boxes, where slow particles would otherwise stop
+  std::vector<Float4> reference_position;  ///< reference position of each particle's neighbour list: see Neighbourhood
+  ContactLists contacts;                   ///< pairs that may touch; with contact friction their slip, in m
   std::vector<std::int8_t> tool_side;      ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
   static constexpr float kDriven = 1;  ///< keeps its velocity, whatever pushes it
-  static constexpr float kHeld = 2;    ///< so does soil that stands for ever where a box of settled soil ends
+  static constexpr float kHeld = 2;    ///< the same for fixed soil outside the sides of a settled box
   [[nodiscard]] bool isHeld(std::size_t particle) const noexcept { return velocity[particle].w == kHeld; }
 
   static constexpr std::uint16_t kAsleep = 0xFFFF;
@@ -52,17 +52,17 @@ struct BedState {
   [[nodiscard]] bool asleep(std::size_t group) const noexcept { return rested[group] >= kAsleepForEver; }
   std::vector<Float4> rested_at;  ///< m; where its particles have been since
 
-  // Memory of friction besides that of contacts, in m; empty with the paper's friction, which remembers nothing.
-  std::vector<WallSlips> wall_slip;  ///< one for each group
+  // Friction memory in addition to that of contacts, in m; empty with the paper's friction, which has none.
+  std::vector<WallSlips> wall_slip;  ///< one per group
   std::vector<Float4> tool_slip;     ///< one for each particle, in the tool's frame
 
   [[nodiscard]] std::size_t particles() const noexcept { return tool_side.size(); }
 };
 
-/// A bed between two ticks: its state, and what else decides how it goes on.
+/// A bed between two ticks: its state, and everything else that determines its next ticks.
 struct SavedBed {
   BedState state;
-  double grid_height_m = 0;                ///< how high soil stood when the bed was made: the size of its grid
+  double grid_height_m = 0;                ///< height of the soil when the bed was made: the size of its grid
   std::vector<std::uint32_t> near_groups;  ///< that groupsNear() returned last, without those it returned before
   StonesState stones;
 };

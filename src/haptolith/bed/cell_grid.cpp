@@ -10,12 +10,12 @@ namespace haptolith {
 
 namespace {
 
-/// Where in the box a place is that may be some periods away; without a period it is where it is.
+/// Maps a coordinate into a periodic box; without a period it is unchanged.
 float intoBox(float metres, float period, float per_period) {
   return metres - period * std::floor(metres * per_period);
 }
 
-/// How many cells of at least `cell_m` fit into `length_m`.
+/// Number of cells of at least `cell_m` that fit into `length_m`.
 int cellsIn(double length_m, double cell_m, double most) {
   return static_cast<int>(std::clamp(std::floor(length_m / cell_m), 1.0, std::max(1.0, most)));
 }
@@ -26,7 +26,7 @@ float bounded(float cells, float low, float high) {
 }
 
 /// Positions beyond the grid count into its outermost cells: that never pulls two neighbours further apart. One that is
-/// no number, which the next look at the bed refuses, counts into the first.
+/// not a number, which the next check of the bed refuses, counts into the first.
 int indexOf(float metres, float cells_per_m, int cells) {
   return static_cast<int>(bounded(metres * cells_per_m, 0, static_cast<float>(cells - 1)));
 }
@@ -47,7 +47,7 @@ CellGrid::CellGrid(std::size_t particles, double cell_m, const GridBox& box)
     int& more = nx_ > ny_ ? nx_ : ny_;
     more = (more + 1) / 2;
   }
-  constexpr double kRoomAbove = 4;  // cells; what flies higher stands in the topmost one
+  constexpr double kRoomAbove = 4;  // cells; particles above are in the topmost one
   nz_ = cellsIn(box.height_m + kRoomAbove * cell_m, cell_m, (8 * n + 4096) / (static_cast<double>(nx_) * ny_));
   cells_per_m_x_ = static_cast<float>(nx_ / std::max(box.width_m, nx_ * cell_m));
   cells_per_m_y_ = static_cast<float>(ny_ / std::max(box.length_m, ny_ * cell_m));
@@ -128,7 +128,7 @@ std::uint32_t CellGrid::candidates(std::uint32_t cell, std::int32_t* out) const 
       for (int x = 0; x < xs.count; ++x) {
         const std::uint32_t near = number({xs.cells[x], ys.cells[y], zs.cells[z]});
         std::memcpy(out + found, particle_.data() + near * kCellRoom, kCellRoom * sizeof(std::int32_t));
-        found += count_[near];  // what was copied too much is overwritten next
+        found += count_[near];  // surplus copies are overwritten next
       }
     }
   }
@@ -138,7 +138,7 @@ std::uint32_t CellGrid::candidates(std::uint32_t cell, std::int32_t* out) const 
 
 namespace {
 
-/// Cells first to first + count - 1 of an axis; an axis that repeats itself goes on from its beginning.
+/// Cells first to first + count - 1 of an axis; a periodic axis continues from its beginning.
 struct CellSpan {
   int first, count;
 };

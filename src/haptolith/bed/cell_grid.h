@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// A box and how high soil stands in it at first.
+/// A box and the initial height of its soil.
 struct GridBox {
   double width_m = 0, length_m = 0;  ///< for the size of the grid only; particles outside are found all the same
   double height_m = 0;
@@ -32,7 +32,7 @@ class CellGrid {
   [[nodiscard]] std::uint32_t candidates(std::uint32_t cell, std::int32_t* out) const noexcept;
   [[nodiscard]] std::size_t candidatesAtMost() const noexcept { return 28 * kCellRoom + spilled_.size(); }
 
-  /// The same of all cells that are within `reach_m` of a place along each axis, for reaches wider than a cell.
+  /// As above for all cells within `reach_m` of a place along each axis, for reaches wider than a cell.
   [[nodiscard]] std::uint32_t candidatesWithin(const Float4& place, float reach_m, std::int32_t* out) const noexcept;
   [[nodiscard]] std::size_t candidatesAtMost(float reach_m) const noexcept;
 

@@ -54,7 +54,7 @@ void ContactLists::setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noe
   x[kGroup] = slip.y;
   x[2 * kGroup] = slip.z;
   const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
-  if ((bits(slip.x) | bits(slip.y) | bits(slip.z)) != 0) {  // a zero with a sign counts: it is to be cleared, too
+  if ((bits(slip.x) | bits(slip.y) | bits(slip.z)) != 0) {  // a negative zero counts: it must also be cleared
     std::uint16_t& touched = touched_[i / kGroup];
     touched = std::max(touched, static_cast<std::uint16_t>(s + 1));
   }

@@ -17,7 +17,7 @@ constexpr std::size_t kGroup = 16;
   return (particles / kGroup + 1) * kGroup;
 }
 
-/// How far a particle has slid against a neighbour since they came to touch, in m, scene frame.
+/// Slip of a particle against a neighbour since contact began, in m, scene frame.
 struct Slip {
   float x = 0, y = 0, z = 0;
 };
@@ -37,8 +37,8 @@ struct InnerRows {
 /// outgrows its room moves. Within what the constructor reserved nothing allocates.
 class ContactLists {
  public:
-  /// A particle with more neighbours has been collapsed onto. Of one size nobody has as many as 96; a grain has room
-  /// for some 240 of a quarter of its radius.
+  /// A particle with more neighbours has been collapsed onto. Particles of one size have fewer than 96; a particle has
+  /// room for about 240 neighbours of a quarter of its radius.
   static constexpr std::uint32_t kMostNeighbours = 320;
 
   ContactLists() = default;
@@ -73,16 +73,16 @@ class ContactLists {
   /// Becomes what another one of as many particles is, entry by entry, within its own storage.
   void takeOver(const ContactLists& other) noexcept;
 
-  // As the kernel wants them. Of group g: rows firstRow(g) to firstRow(g) + rows(g) - 1 of 16 entries each.
-  // An entry is where its neighbour's record begins, in bytes: the kernel adds it to an address as it is.
+  // Layout of the kernel: group g has the rows firstRow(g) to firstRow(g) + rows(g) - 1 of 16 entries each.
+  // An entry is the offset of its neighbour's record, in bytes: the kernel adds it to an address.
   [[nodiscard]] const std::uint32_t* others() const noexcept { return other_.data(); }
-  [[nodiscard]] float* slips() noexcept { return slip_.data(); }  ///< of each row 16 x, 16 y, 16 z
+  [[nodiscard]] float* slips() noexcept { return slip_.data(); }  ///< per row 16 x, 16 y, 16 z
   [[nodiscard]] const float* slips() const noexcept { return slip_.data(); }
   [[nodiscard]] const std::uint32_t* firstRows() const noexcept { return first_row_.data(); }
   [[nodiscard]] const std::uint16_t* rowCounts() const noexcept { return rows_.data(); }
-  /// Of each group, rows behind which no entry remembers anything. Whoever writes slips() keeps it.
+  /// Number of each group's rows that may hold slip; rows after them are zero. Code that writes slips() maintains it.
   [[nodiscard]] std::uint16_t* touchedRows() noexcept { return touched_.data(); }
-  /// Of each group; no part of what is remembered. Whoever steps the particles keeps it.
+  /// Inner rows of each group; not part of the saved state. The step maintains it.
   [[nodiscard]] InnerRows* innerRows() noexcept { return near_.data(); }
   [[nodiscard]] std::size_t groups() const noexcept { return rows_.size(); }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPaperPhase = 1.0;  // dt * omega; the step is stable up to 2, and accurate enough up to 1
 
-/// The same with contact friction. Where nothing damps, what a step gets wrong adds up: a shaken, frictionless bed that
+/// As above with contact friction. Without damping the errors of the steps add up: a shaken, frictionless bed that
 /// coheres gains 5 % of its energy in 2 s at 0.8, 9 % at 1 and 23 % at 1.3. A hundredth of critical damping takes away
 /// more than that.
 double largestPhase(double damping_ratio) {
@@ -27,7 +27,7 @@ double largestPhase(double damping_ratio) {
   return std::min(0.8 + 8 * damping_ratio, 1.2);
 }
 
-/// Largest eigenvalue of a packing whose contacts are 1 stiff along their normals and `across` beside them, walls
+/// Largest eigenvalue of a packing whose contacts have stiffness 1 along their normals and `across` tangentially, walls
 /// included: chords between the most that beds of the named soils have under a plate with 10 kPa, twice what 12 N on a
 /// shovel come to. The largest eigenvalue is a convex function of `across`, so no chord is below it. This is the
 /// margin: of what this allows a tool takes 0.88 at most with 12 N, 0.94 with 40 N, and a plate with 10 kPa 0.98; but
@@ -51,7 +51,7 @@ double longestStepOf(double stiff, double damped, double phase) {
   return std::min((std::sqrt(damped * damped + 16 * stiff) - damped) / (2 * stiff), phase / std::sqrt(stiff));
 }
 
-/// Of contacts with friction, what dt^2 K and 2 dt C of the step are over m, with q = dt sqrt(k / m): springs q^2,
+/// Contributions of contacts with friction to dt^2 K and 2 dt C over m, with q = dt sqrt(k / m): springs q^2,
 /// dampers q. A damper is c = zeta sqrt(2 m k), along with k and across with k_t.
 struct Contacts {
   double springs, dampers, phase;
@@ -132,7 +132,7 @@ double ballMass(double density_kg_m3, double diameter_m) {
 
 /// A stone as the number of steps depends on it.
 struct StoneOfStep {
-  std::string key;    ///< of its size in a scene file
+  std::string key;    ///< key of its size in a scene file
   double size_m = 0;  ///< diameter of the sphere of its volume, or less
   bool fixed = false;
 };
@@ -176,7 +176,7 @@ std::vector<StoneOfStep> stonesOfStep(const StonesParameters& stones) {
 /// Bodies that a stone touches: grains of one class, or other stones.
 struct Neighbours {
   double radius_m, mass_kg;
-  double stiffness_n_m;  ///< of one contact
+  double stiffness_n_m;  ///< stiffness of one contact
 };
 
 /// Steps per second that a stone among such neighbours needs.
@@ -190,8 +190,8 @@ struct Neighbours {
 ///     stiff = n g(k_t / k) k' / M + k' / m,   damped = 2 (n g(sqrt(k_t / k)) c' / M + c' / m)
 ///
 /// n: nine on a sphere of their own size (packing(): 6 = 2 n / 3 without friction, neighbours moving the other way),
-/// and as many more as there is room around a larger one, (r + R)^2 / 4 R^2; half of nine around the smallest. g: how a
-/// stone turns about itself, 5/3 of each contact's k_t, and by contacts that do not point to its middle. A tool adds
+/// and more in proportion to the room around a larger one, (r + R)^2 / 4 R^2; half of nine around the smallest. g: how
+/// a stone turns about itself, 5/3 of each contact's k_t, and by contacts that do not point to its middle. A tool adds
 /// what it presses on several spheres.
 double stepsBeside(const SoilParameters& soil, double size_m, double mass_kg, const Neighbours& others,
                    double tool_stiffness_n_m) {
@@ -212,7 +212,7 @@ double stepsBeside(const SoilParameters& soil, double size_m, double mass_kg, co
 
 constexpr double kImmovable_kg = 1e30;
 
-/// The same among all that it may touch in a bed.
+/// Maximum over everything that the stone may touch in a bed.
 double stepsForStone(const BedParameters& bed, double size_m, double tool_stiffness_n_m) {
   const SoilParameters& soil = bed.soil;
   const double mass_kg = ballMass(bed.stones.density_kg_m3, size_m);
@@ -232,7 +232,7 @@ double stepsForStone(const BedParameters& bed, double size_m, double tool_stiffn
   if (bed.stones.placed.size() + static_cast<std::size_t>(bed.stones.count) > 1) {
     for (const StoneOfStep& other : stonesOfStep(bed.stones)) {
       if (other.size_m < size_m) {
-        continue;  // of two stones the smaller needs more steps
+        continue;  // the smaller of two stones needs more steps
       }
       const double radius_m = other.size_m / 2;
       const double other_kg = other.fixed ? kImmovable_kg : ballMass(bed.stones.density_kg_m3, other.size_m);

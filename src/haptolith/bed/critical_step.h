@@ -20,7 +20,7 @@ namespace haptolith {
 /// @param tool_stiffness_n_m  as stiffnessInStep() gives it.
 [[nodiscard]] double stepsPerSecond(const SoilParameters& soil, double tool_stiffness_n_m);
 
-/// The same of a bed, for its finest grains, on which a tool is softer (ToolParameters::stiffness_n_m), and for its
+/// As above for a bed: for its finest particles, on which a tool is softer (ToolParameters::stiffness_n_m), and for its
 /// lightest stones; see stepsForStone() in critical_step.cpp.
 [[nodiscard]] double stepsPerSecond(const BedParameters& bed, double tool_stiffness_n_m);
 
@@ -28,7 +28,7 @@ namespace haptolith {
 /// @throws InvalidParameter when more than `max_substeps` would be needed, naming the stiffness that would do.
 [[nodiscard]] int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double tick_s, int max_substeps);
 
-/// The same of a bed.
+/// As above for a bed.
 /// @throws InvalidParameter also when a stone is so light that more than `max_substeps` would be needed, with its size
 /// and the least that would do.
 [[nodiscard]] int substepsFor(const BedParameters& bed, double tool_stiffness_n_m);

@@ -7,7 +7,7 @@ namespace haptolith {
 
 /// Sizes of grain in one bed: each class has half the radius of the one before it, and the same soil scaled by size
 /// (rescaled(): k ~ R, F_c ~ R^2, m ~ R^3), so that stress, density and friction are the same in all. Class 0 is the
-/// coarsest. A particle's class is told from its radius, for the sizes of two classes never overlap: see
+/// coarsest. A particle's class follows from its radius, because the sizes of two classes never overlap: see
 /// SoilParameters::size_spread.
 class GrainClasses {
  public:
@@ -23,7 +23,7 @@ class GrainClasses {
   }
 
   /// Particles whose radius exceeds the mean of class 0 by less than this are of class c + 1 or finer; at the end of
-  /// the chain nobody is. In m, negative.
+  /// the chain there is none. In m, negative.
   [[nodiscard]] float finerThan(int c) const noexcept { return finer_than_[static_cast<std::size_t>(c)]; }
 
   /// The class of a particle whose radius exceeds the mean of class 0 by `excess_m`.

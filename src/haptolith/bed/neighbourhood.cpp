@@ -17,7 +17,7 @@
 #ifndef HAPTOLITH_NEAR_RULE_
 #define HAPTOLITH_NEAR_RULE_
 namespace haptolith {
-/// How far one particle looks for others, whose class is told from their size.
+/// Search radius of one particle for others, whose class follows from their size.
 struct NearRule {
   const GrainClasses& classes;
   float reach_m;   ///< to one of class 0 and the mean size
@@ -202,7 +202,7 @@ void Neighbourhood::sortByDistance(std::size_t i, const std::vector<Float4>& ref
 
 bool Neighbourhood::rebuild(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
                             std::vector<Float4>& reference_position, ContactLists& lists) noexcept {
-  // First everybody's place, then the lists: two that fly along together stay neighbours and forget nothing.
+  // First all reference positions, then the lists: a pair that moves together stays listed and keeps its slip.
   for (const std::int32_t particle : particles) {
     Float4& place = reference_position[static_cast<std::size_t>(particle)];
     const Float4& here = position[static_cast<std::size_t>(particle)];
@@ -225,7 +225,7 @@ bool Neighbourhood::rebuildList(std::int32_t particle, const std::vector<Float4>
   const auto i = static_cast<std::size_t>(particle);
   std::int32_t* const near = near_.data();
   std::uint32_t unlisted = findNear(particle, reference_position);
-  // Whom the list names already is taken out of `near`; whom it names wrongly is taken out of the list.
+  // Drops neighbours that are already listed from `near`, and stale entries from the list.
   for (std::uint32_t s = lists.count(i); s-- > 0;) {
     const std::int32_t other = lists.neighbour(i, s);
     std::int32_t* const found = std::find(near, near + unlisted, other);

@@ -17,7 +17,7 @@ struct NeighbourReach {
   GrainClasses classes = GrainClasses();
   double reach_m = 0;   ///< largest distance of a listed pair of particles of class 0 and the mean size; larger ones
                         ///< reach further
-  double beyond_m = 0;  ///< of this what is between their surfaces
+  double beyond_m = 0;  ///< part of it between their surfaces
   double largest_excess_m = 0;  ///< by how much a radius of class 0 may exceed the mean
 };
 
@@ -40,8 +40,8 @@ class Neighbourhood {
   [[nodiscard]] bool rebuild(std::span<const std::int32_t> particles, const std::vector<Float4>& position,
                              std::vector<Float4>& reference_position, ContactLists& lists) noexcept;
 
-  /// The cells of all classes in a box, and how often anybody has changed cells: who is in them is the same as long as
-  /// both are.
+  /// The cells of all classes in a box, and the number of changes: equal counts mean equal
+  /// contents.
   struct Place {
     std::array<CellGrid::Block, GrainClasses::kMost> cells;
     std::uint64_t changes = 0;
@@ -67,7 +67,7 @@ class Neighbourhood {
   /// Makes a particle's list, and its entries in those of others, right for its new place.
   [[nodiscard]] bool rebuildList(std::int32_t particle, const std::vector<Float4>& reference_position,
                                  ContactLists& lists) noexcept;
-  /// Puts the nearest first, so that the ends of a group's lists are rows in which nobody touches. (It also makes the
+  /// Puts the nearest first, so that the ends of a group's lists are rows without contact. (It also makes the
   /// order independent of the cells', which no saved state has.)
   void sortByDistance(std::size_t i, const std::vector<Float4>& reference_position, ContactLists& lists) noexcept;
   /// Writes who is near a particle to near_, in any order, and returns how many.
@@ -80,7 +80,7 @@ class Neighbourhood {
   float reach_m_, beyond_m_, radius_m_, largest_excess_m_;
   Periods periods_;
   std::vector<CellGrid> grids_;  ///< one for each class
-  std::uint64_t changes_ = 0;    ///< of who is in which cell
+  std::uint64_t changes_ = 0;    ///< number of changes of cells
   std::vector<std::int32_t> candidates_, near_;
 };
 

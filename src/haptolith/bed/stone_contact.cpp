@@ -12,7 +12,7 @@ namespace {
 
 namespace law = HWY_NAMESPACE;
 
-constexpr double kTiny = 1e-40;  // nothing beside the square of any stretch
+constexpr double kTiny = 1e-40;  // negligible against the square of any stretch
 
 law::LawOf<double> repulsionOf(const ContactLaw& of) {
   return {of.gamma_nm, of.a_min_m, of.a_thr_m, of.h_n, of.stiffness_n_m};
@@ -85,7 +85,7 @@ Overlap OverlapOfSpheres::overlap() const noexcept {
   const double depth_m = std::sqrt(std::sqrt(fourth_));
   const Vec3 gradient = gradient_ / (depth_m * depth_m * depth_m);
   const double steepness = gradient.norm();
-  // Between two of the same depth from opposite sides nothing says which way is out.
+  // Between two of equal depth from opposite sides the way out is undefined.
   return steepness > 0 ? Overlap{depth_m, gradient / steepness, steepness} : nearest_;
 }
 

@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// How a sphere overlaps a stone, or a stone its mirror image.
+/// Overlap of a sphere with a stone, or of a stone with its mirror image.
 struct Overlap {
   double depth_m = -std::numeric_limits<double>::max();  ///< negative: the gap between the surfaces
   Vec3 towards = Vec3::UnitZ();                          ///< unit normal from the second body to the first
@@ -21,9 +21,9 @@ struct Overlap {
 ///
 ///     d = (d_1^4 + d_2^4 + ...)^(1/4)
 ///
-/// so that in the groove between two spheres the force turns smoothly from one normal to the other, and what touches
-/// many at once is hardly stiffer than what touches one. The deepest alone would be a valley without a bottom in which
-/// soil trembles, all of them together a contact as stiff as they are many.
+/// so that in the groove between two spheres the force turns smoothly from one normal to the other, and a contact with
+/// several spheres is barely stiffer than one with a single sphere. The deepest alone would be a valley without a
+/// bottom in which soil trembles, all of them together a contact as stiff as they are many.
 class OverlapOfSpheres {
  public:
   /// @param apart_m  from the middle of one of the union's spheres to that of the sphere.
@@ -54,7 +54,7 @@ class StoneContactLaw {
   [[nodiscard]] static StoneContactLaw bare(const SoilParameters& soil, const TouchingBodies& bodies,
                                             double friction_ratio = 1);
 
-  /// The same, as the kernel of soil around stones wants it.
+  /// The law in the form of the kernel for soil around stones.
   [[nodiscard]] ContactFrictionLaw inKernel() const;
 
   /// From this gap between the surfaces on there is no force, in m.
@@ -66,7 +66,7 @@ class StoneContactLaw {
   [[nodiscard]] Vec3 force(const Overlap& overlap, const Vec3& relative_m_s, double dt_s,
                            Vec3& stretch_m) const noexcept;
 
-  /// What is stored in it, friction's stretch included, in J. Not for the tick.
+  /// Energy stored in the contact, friction's stretch included, in J. Not for the tick.
   [[nodiscard]] double energy(double depth_m, const Vec3& stretch_m) const noexcept;
 
  private:

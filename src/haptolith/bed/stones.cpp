@@ -14,8 +14,8 @@ namespace haptolith {
 
 namespace {
 
-/// Who is nearer than contacts reach and this besides, in radii of the coarsest grains, is listed: looked for again
-/// when everything has gone so far. Larger: longer lists for every step; smaller: more looks.
+/// Skin of the stones' neighbour lists, in radii of the coarsest particles: lists are rebuilt when the total movement
+/// reaches it. Larger: longer lists in every step; smaller: more rebuilds.
 constexpr double kMarginRadii = 0.5;
 
 /// Grains in a volume at most, over those that would fill it whole: closer packings than the closest are pressed.
@@ -320,7 +320,7 @@ void Stones::pressWalls(std::size_t stone) noexcept {
   const StoneShape& shape = *shapes_[stone];
   const Vec3 middle = state_.stones[stone].scene_T_stone.position_m;
   struct Wall {
-    double gap_m;  ///< of the sphere around the stone
+    double gap_m;  ///< gap to the sphere around the stone
     Vec3 inwards;
     const StoneContactLaw& law;
   };
@@ -446,9 +446,9 @@ void Stones::move(const Vec3& gravity_m_s2, double dt_s, const RestRule& rest) n
   went_m_ += 2 * fastest_m_s * dt_s;
 }
 
-/// A free body's turn, as short turns about its principal axes one after the other (McLachlan 1993, "Explicit
-/// Lie-Poisson integration"): its angular momentum stays in the scene to the last bit, and its energy swings a little
-/// about what it is.
+/// Rotates a free body by successive short rotations about its principal axes (McLachlan 1993, "Explicit
+/// Lie-Poisson integration"): its angular momentum in the scene is conserved exactly, and its energy oscillates
+/// slightly about the true value.
 void Stones::turn(std::size_t stone, double dt_s) noexcept {
   HAPTO_ASSERT(stone < size());
   HAPTO_ASSERT(!bodies_[stone].fixed);

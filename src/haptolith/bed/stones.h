@@ -20,7 +20,7 @@
 
 namespace haptolith {
 
-/// What a tool remembers of one sphere of a stone: as BedState of a particle.
+/// Memory of a tool for one sphere of a stone: as in BedState for a particle.
 struct StoneToolMemory {
   std::int8_t side = 0;
   Float4 slip_m;
@@ -60,7 +60,7 @@ class Stones {
   [[nodiscard]] const std::shared_ptr<const StoneShape>& shape(std::size_t stone) const { return shapes_[stone]; }
   /// scene_T_stone. May be called in the tick.
   [[nodiscard]] Pose pose(std::size_t stone) const noexcept;
-  /// Of all. Not for the tick.
+  /// Poses of all stones. Not for the tick.
   [[nodiscard]] std::vector<Pose> poses() const;
   /// Twist of a stone's centre of mass, scene frame.
   [[nodiscard]] Twist twist(std::size_t stone) const noexcept;
@@ -70,7 +70,7 @@ class Stones {
   [[nodiscard]] bool isFixed(std::size_t stone) const noexcept { return bodies_[stone].fixed; }
   [[nodiscard]] bool asleep(std::size_t stone) const noexcept { return state_.stones[stone].asleep(); }
   [[nodiscard]] const StonesState& state() const noexcept { return state_; }
-  /// Where its spheres are now, scene frame.
+  /// Current centres of its spheres, scene frame.
   [[nodiscard]] std::span<const Vec3> spheres(std::size_t stone) const noexcept { return bodies_[stone].centres_m; }
 
   /// Puts a stone somewhere, at rest or moving. May be called in the tick.
@@ -80,7 +80,7 @@ class Stones {
   /// be called in the tick.
   void push(std::size_t stone, const Vec3& force_n, const Vec3& point_m) noexcept;
 
-  /// What a tool remembers of each sphere of a stone; it is kept here for the tool, as BedState keeps it of particles.
+  /// Memory of a tool for each sphere of a stone; stored here for the tool, as BedState does for particles.
   [[nodiscard]] std::span<StoneToolMemory> toolMemory(std::size_t stone) noexcept { return memory_[stone].tool; }
   void forgetTool() noexcept;
 
@@ -102,7 +102,7 @@ class Stones {
   /// No particle has gone further than this in the step: who is near is looked for again when it might have changed.
   void soilMoved(double distance_m) noexcept { went_m_ += distance_m; }
 
-  /// Another soil, or others' forces, from now on: everybody wakes. May be called in the tick.
+  /// Sets another soil; all stones wake. May be called in the tick.
   void setSoil(const SoilParameters& soil) noexcept;
   void wakeAll() noexcept;
   /// Soil has been put elsewhere: in the next step all look for who is near.
@@ -122,27 +122,27 @@ class Stones {
   /// Largest speed of any point of a stone that is not fixed, in m/s; may be more than is reached.
   [[nodiscard]] double largestSpeed() const noexcept;
 
-  /// How deep a sphere at a place reaches into the stone that it is deepest in; <= 0 outside of all. It looks at all
+  /// Largest depth of a sphere at a place in any stone; <= 0 outside of all. Checks all
   /// spheres: in the tick once at most.
   [[nodiscard]] double depthOf(const Vec3& centre_m, double radius_m) const;
 
   [[nodiscard]] StonesState save() const;
   /// @throws InvalidParameter when it has other stones than these or soil of more particles, or holds NaN.
   void requireSound(const StonesState& saved, std::size_t particles) const;
-  /// Goes on from what is sound.
+  /// Continues from a state that has been checked.
   void restore(const StonesState& saved);
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
   struct Body {
-    double mass_kg = 0, inverse_mass = 0;  ///< of a fixed one the inverse is 0
+    double mass_kg = 0, inverse_mass = 0;  ///< the inverse is 0 if fixed
     Vec3 inertia_kg_m2 = Vec3::Zero(), inverse_inertia = Vec3::Zero();
-    double radius_m = 0;  ///< of the sphere of its volume
+    double radius_m = 0;  ///< radius of the sphere of equal volume
     bool fixed = false;
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< scene_R_stone
     Vec3 angular_rad_s = Vec3::Zero();
-    std::vector<Vec3> centres_m;  ///< of its spheres, scene frame
-    Wrench contact, pushed;       ///< about its centre, scene frame: of contacts in this step; of others, for the next
+    std::vector<Vec3> centres_m;  ///< centres of its spheres, scene frame
+    Wrench contact, pushed;  ///< about its centre, scene frame: contacts of this step; other forces, for the next step
   };
 
   /// Friction's stretch that a particle had when who is near was looked for the last time, stone's frame.
@@ -153,32 +153,32 @@ class Stones {
   /// Another stone that a sphere may touch.
   struct NearStone {
     std::uint32_t pair;            ///< in Memory::pairs
-    std::uint32_t sphere;          ///< of this one
+    std::uint32_t sphere;          ///< sphere of this stone
     std::array<float, 3> stretch;  ///< scene frame
   };
   struct Pair {
     std::uint32_t stone;  ///< after this one in order
     StoneContactLaw law;
   };
-  /// What a stone does to a particle in this step.
+  /// Force of a stone on a particle in this step.
   struct Push {
     std::uint32_t particle;
     Stretch force_n;
   };
   struct Memory {
-    std::vector<StonePack> packs;         ///< of particles that may touch it before it is looked again
+    std::vector<StonePack> packs;         ///< particles that may touch it before the next rebuild
     std::vector<std::uint16_t> spheres;   ///< numbers that the packs refer to
     std::vector<std::uint32_t> near;      ///< room for looking: particles
     std::vector<std::uint64_t> near_now;  ///< and a bit for each sphere
-    std::vector<Slid> before;             ///< what a saved state remembers until the first look, and room for that
-    std::vector<std::uint32_t> groups;    ///< of the particles, each once
+    std::vector<Slid> before;             ///< slips of a saved state until the first rebuild, and room for them
+    std::vector<std::uint32_t> groups;    ///< groups of the particles, each once
     std::vector<Pair> pairs;
     std::vector<NearStone> stones, stones_before;
-    std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< of each sphere: of the floor, an x and a y wall
+    std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< slip of each sphere on the floor, an x and a y wall
     std::vector<StoneToolMemory> tool;
     std::vector<Push> pushes;
     bool has_room = true;        ///< for all that is near
-    double looked_at_m = 0;      ///< how far everything had gone when who is near was looked for
+    double looked_at_m = 0;      ///< total movement at the last rebuild
     bool look = true;            ///< whether it has to be at once
     bool beside_unrest = true;   ///< whether soil around it is awake, or a stone that it touches moves
     bool touched_walls = false;  ///< whether `walls` remembers anything
@@ -210,24 +210,24 @@ class Stones {
   double skin_m_ = 0;
   std::uint16_t rest_steps_ = 0;  ///< RestRule::steps
   std::vector<std::shared_ptr<const StoneShape>> shapes_;
-  std::vector<std::vector<Float4>> spheres_;  ///< of the shapes: middle in the stone's frame, radius
+  std::vector<std::vector<Float4>> spheres_;  ///< spheres of the shapes: centre in the stone frame, radius
   std::vector<Body> bodies_;
   StonesState state_;  ///< its list of slips is filled by save() alone
   std::vector<Memory> memory_;
   struct SoilLaw {
     StoneContactLaw law;
-    ContactFrictionLaw in_kernel;  ///< the same
+    ContactFrictionLaw in_kernel;  ///< that law for the kernel
   };
   std::vector<std::array<SoilLaw, GrainClasses::kMost>> with_soil_;
   std::vector<StoneContactLaw> with_walls_, with_floor_;
-  /// What stones have put on particles in this step, and what was there before.
+  /// Forces that stones have added to particles in this step, and the forces before.
   struct Put {
     std::uint32_t particle;
     Float4 before;
   };
   std::vector<Put> put_;
   double went_m_ = 0;   ///< that no two bodies can have come closer by, in all
-  double dt_s_ = 0;     ///< of the step under way
+  double dt_s_ = 0;     ///< duration of the current step
   double short_m_ = 0;  ///< growIn()
 };
 

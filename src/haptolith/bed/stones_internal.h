@@ -9,7 +9,7 @@
 
 namespace haptolith {
 
-/// Of a word in which each sphere of a stone has a bit.
+/// Bits of a word in which each sphere of a stone has one.
 inline constexpr std::size_t kSphereBits = 64;
 
 /// Other stones next to one, counted once for each pair.

@@ -35,14 +35,14 @@ bool Stones::lookForParticles(std::size_t stone, const SoilAroundStones& soil) n
   return room;
 }
 
-/// Who is near to the sphere around the stone, class by class.
+/// Lists particles near the sphere around the stone, class by class.
 void Stones::listCandidates(std::size_t stone, const SoilAroundStones& soil) noexcept {
   Memory& memory = memory_[stone];
   memory.near.clear();
   const double reach_m = shapes_[stone]->reach_m + with_soil_[stone][0].law.reach() + margin();
   const double grain_m = (1 + soil_.size_spread) * soil_.radius_m;
   const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
-  const double listed_m = reach_m + grain_m + skin_m_ / 2;  // of where particles are listed
+  const double listed_m = reach_m + grain_m + skin_m_ / 2;  // reach of the list
   const auto corner = [&](double sign) {
     return Float4{static_cast<float>(middle.x() + sign * listed_m), static_cast<float>(middle.y() + sign * listed_m),
                   static_cast<float>(middle.z() + sign * listed_m), 0};
@@ -146,7 +146,7 @@ bool Stones::lookForStones(std::size_t stone) noexcept {
   const StoneShape& shape = *shapes_[stone];
   memory.stones_before.swap(memory.stones);
   memory.stones.clear();
-  std::array<std::uint32_t, kMostPartners> partners_before{};  // of the pairs of the last look
+  std::array<std::uint32_t, kMostPartners> partners_before{};  // partners of the pairs of the last rebuild
   for (std::size_t p = 0; p < memory.pairs.size(); ++p) {
     partners_before[p] = memory.pairs[p].stone;
   }

@@ -11,23 +11,23 @@ namespace haptolith {
 
 /// One stone as it is between two steps.
 struct StoneState {
-  Pose scene_T_stone;                        ///< of its centre of mass and its principal axes
-  Vec3 velocity_m_s = Vec3::Zero();          ///< of its centre of mass
+  Pose scene_T_stone;                        ///< its centre of mass and its principal axes
+  Vec3 velocity_m_s = Vec3::Zero();          ///< velocity of its centre of mass
   Vec3 angular_momentum_nms = Vec3::Zero();  ///< about its centre of mass, scene frame
-  Pose rested_at;                            ///< where it has been since it has been at rest
-  std::uint16_t rested = 0;                  ///< for how many steps that has been, or asleep: as BedState::rested
+  Pose rested_at;                            ///< pose at which it came to rest
+  std::uint16_t rested = 0;                  ///< number of steps at rest, or asleep: as BedState::rested
 
   static constexpr std::uint16_t kAsleep = 0xFFFF;
   [[nodiscard]] bool asleep() const noexcept { return rested == kAsleep; }
 };
 
-/// What one contact of a stone remembers.
+/// Slip of one contact of a stone.
 struct StoneSlip {
   enum class With : std::uint32_t { kParticle, kStone, kWall, kTool };
   std::uint32_t stone = 0;
   With with = With::kParticle;
-  std::uint32_t sphere = 0;          ///< of the stone; 0 with particles, which touch it as one
-  std::uint32_t other = 0;           ///< particle, stone, or wall: 0 floor, 1 at x, 2 at y; of a tool its side
+  std::uint32_t sphere = 0;          ///< sphere of the stone; 0 with particles, which touch it as one
+  std::uint32_t other = 0;           ///< particle, stone, or wall: 0 floor, 1 at x, 2 at y; for a tool its side
   float x = 0, y = 0, z = 0, w = 0;  ///< m; w only with jaws
 
   [[nodiscard]] bool operator==(const StoneSlip&) const = default;
@@ -39,7 +39,7 @@ struct StonesState {
   std::vector<StoneSlip> slips;  ///< in an order that depends on nothing else
 };
 
-/// 64-bit hash (XXH3) over places and speeds, going on from `hash`. May be called in the tick.
+/// 64-bit hash (XXH3) over poses and velocities, continuing from `hash`. May be called in the tick.
 [[nodiscard]] std::uint64_t stonesHash(const StonesState& state, std::uint64_t hash) noexcept;
 
 /// As bytes, and back. @throws Failure when the bytes are no stones or are cut short.

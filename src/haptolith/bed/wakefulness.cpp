@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::size_t kBits = 64;  // of a word
+constexpr std::size_t kBits = 64;  // bits per word
 
 /// Calls `each(i, s, j)` for all entries of a group's lists, as long as it returns true.
 template <class Each>
@@ -28,13 +28,13 @@ bool forEachEntry(std::size_t group, const ContactLists& lists, Each each) {
 }
 
 Slip opposite(const Slip& slip) noexcept {
-  return {0 - slip.x, 0 - slip.y, 0 - slip.z};  // of zero it is zero without a sign
+  return {0 - slip.x, 0 - slip.y, 0 - slip.z};  // zero keeps a positive sign
 }
 
 /// For so long, about, nothing must have stirred: counted in steps of the bed alone, which a tool may make shorter.
 constexpr double kRest_s = 0.1;
-/// What has gone further than it goes at the speed of rest in this time has stirred, however slowly it went, where no
-/// distance is given.
+/// Time that defines the default distance of rest: a particle that moves further than the speed of rest times this time
+/// has moved, however slowly.
 constexpr double kCreep_s = 0.02;
 
 }  // namespace
@@ -251,7 +251,7 @@ void Wakefulness::listAwake() noexcept {
 }
 
 void Wakefulness::takeOver(BedState& state) noexcept {
-  // It may come from a bed in which rest takes another time: nobody sleeps beside what does not rest here.
+  // It may come from a bed in which rest takes another time: no group sleeps next to one that is not at rest here.
   for (std::size_t group = 0; group < moving_.size(); ++group) {
     std::uint16_t& rested = state.rested[group];
     rested = state.asleep(group) ? rested : std::min<std::uint16_t>(rested, readyToSleep());

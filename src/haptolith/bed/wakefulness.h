@@ -11,9 +11,9 @@ namespace haptolith {
 
 /// When soil counts as at rest.
 struct RestRule {
-  bool sleep = true;        ///< whether what rests is left alone at all
-  float speed_m_s = 0;      ///< what moves faster does not rest,
-  float distance_m = 0;     ///< nor what is further from where it was when it came to rest,
+  bool sleep = true;        ///< whether groups at rest sleep at all
+  float speed_m_s = 0;      ///< a faster particle is not at rest,
+  float distance_m = 0;     ///< nor one further from the position where it came to rest,
   std::uint16_t steps = 0;  ///< and rest must have lasted this many steps
 };
 
@@ -23,15 +23,15 @@ struct RestRule {
 /// Which groups of particles are worked on.
 ///
 /// A group may sleep when nothing in it and nothing next to it, that is in its neighbour lists, has moved for a
-/// while. Then its particles stand still where they are, and what touches them feels them as before. It wakes when
-/// something next to it moves, or when it is told to. So between moving and sleeping soil there is always a layer of
+/// while. Its particles are then frozen, and bodies in contact with them get the same forces. It wakes when
+/// a neighbour moves, or on request. So between moving and sleeping soil there is always a layer of
 /// groups at rest that are still computed, and notice.
 ///
-/// The two sides of a contact each remember how far they have slid against each other, the exact opposite. The side
-/// that sleeps does not go on, so it takes over what the other remembers when it wakes.
+/// The two sides of a contact each store their slip, exact opposites. A sleeping side is not updated, so it copies the
+/// slip of the other when it wakes.
 class Wakefulness {
  public:
-  /// Steps between two looks at how far a group has crept. Each group has its turn.
+  /// Steps between two checks of a group's creep. Groups take turns.
   static constexpr std::uint32_t kTurn = 64;
 
   Wakefulness(std::size_t groups, const RestRule& rule);
@@ -42,7 +42,7 @@ class Wakefulness {
   /// Groups that are worked on, in that order. Behind the last stands one number more, that of no group.
   [[nodiscard]] std::span<const std::uint32_t> awake() const noexcept { return {awake_.data(), awake_count_}; }
   [[nodiscard]] const RestRule& rule() const noexcept { return rule_; }
-  /// Another rule from now on. Who sleeps goes on sleeping.
+  /// Sets another rule. Sleeping groups stay asleep.
   void setRule(const RestRule& rule) noexcept { rule_ = rule; }
 
   /// For each group whether something in it moved faster than the rule allows: the step writes it.
@@ -84,7 +84,7 @@ class Wakefulness {
   /// Lists again who is awake, after groups have woken or fallen asleep.
   void listAwake() noexcept;
 
-  /// Goes on with another state.
+  /// Continues with another state.
   void takeOver(BedState& state) noexcept;
 
   [[nodiscard]] std::size_t bytes() const noexcept;

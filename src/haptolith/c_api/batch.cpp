@@ -17,7 +17,7 @@
 
 namespace haptolith::library {
 
-/// Threads that share scenes out among them: each takes the next that nobody has taken.
+/// Threads that share a set of scenes: each takes the next free one.
 class Batch {
  public:
   /// @throws Failure when the system grants no thread.
@@ -90,7 +90,7 @@ class Batch {
       if (work_.status != nullptr) {
         work_.status[i] = status;
       }
-      if (status != HAPTO_OK) {  // of several, that of the first scene
+      if (status != HAPTO_OK) {  // the error of the first failing scene wins
         const std::uint64_t own = std::uint64_t{i} << 8U | static_cast<std::uint64_t>(status);
         std::uint64_t first = first_failure_.load(std::memory_order_relaxed);
         while (own < first && !first_failure_.compare_exchange_weak(first, own, std::memory_order_relaxed)) {

@@ -15,7 +15,7 @@ namespace haptolith::library {
 std::int32_t failed(std::int32_t status, std::string_view message, std::string_view key = {},
                     std::string_view value = {}, std::string_view valid = {}) noexcept;
 
-/// The same in the status's own words. HAPTO_OK notes nothing. @param name  of the argument that is wrong.
+/// As above with the status's standard text. HAPTO_OK records nothing. @param name  of the invalid argument.
 std::int32_t wrongArgument(std::int32_t status, const char* name) noexcept;
 
 /// A function of the C interface has failed, and has noted why.
@@ -30,7 +30,7 @@ inline void requireOk(std::int32_t status) {
   }
 }
 
-/// The same for the exception that is being handled.
+/// As above for the exception that is being handled.
 std::int32_t failedByException() noexcept;
 
 /// Does `body`, which returns a status or throws: nothing is thrown across the border.
@@ -43,7 +43,7 @@ std::int32_t guarded(Body&& body) noexcept {
   }
 }
 
-/// A progress function of the caller's, in the forms in which the library's parts tell theirs.
+/// A progress function of the caller, in the forms that the library's parts use.
 class Progress {
  public:
   Progress(hapto_progress told, void* user) noexcept : told_(told), user_(user) {}

@@ -11,18 +11,18 @@
 
 namespace haptolith::library {
 
-/// What a handle of the C interface points to, and who is using it. Its own memory is never given back, so that a
-/// handle that has been destroyed can be told from one that is alive, until its place is taken again.
+/// Target of a handle of the C interface, with its usage state. Its memory is never freed, so that a
+/// destroyed handle is distinguishable from a live one until its place is reused.
 struct Handle {
   std::atomic<bool> alive{false};
   std::atomic<bool> in_use{false};
-  std::atomic<bool> observed{false};  ///< of a loop: by the thread that watches it
+  std::atomic<bool> observed{false};  ///< for a loop: by the thread that watches it
 };
 
 template <class T>
 struct HandleOf : Handle {
   using Object = T;
-  std::uint32_t kind = 0;  ///< of handle; else another kind's could be taken for this one
+  std::uint32_t kind = 0;  ///< kind of handle, so that kinds cannot be confused
   std::unique_ptr<T> object;
 };
 
@@ -47,7 +47,7 @@ class Places {
     return handle;
   }
 
-  /// Destroys what the handle points to; whoever calls this has claimed it.
+  /// Destroys the target of the handle; the caller has claimed it.
   static void giveBack(H& handle) {
     handle.alive.store(false, std::memory_order_release);
     handle.object.reset();

@@ -29,7 +29,7 @@ using namespace haptolith::library;
 
 namespace {
 
-/// What goes for every test.
+/// Arguments common to every test.
 struct Circumstances {
   SoilChanges soil;
   double gravity_m_s2 = LabConditions().gravity_m_s2;
@@ -87,7 +87,7 @@ Result resultOf(LabOutput output) {
   return result;
 }
 
-/// What a calibration is asked for.
+/// Request of a calibration.
 struct CalibrationAsked {
   SoilTarget target;
   CalibrateSoilOptions options;

@@ -1,4 +1,4 @@
-// What a thread has been told last, for libhaptolith and for the libraries beside it.
+// The last error of a thread, for libhaptolith and its companion libraries.
 
 #include <haptolith/haptolith.h>
 
@@ -13,7 +13,7 @@ namespace haptolith::library {
 
 namespace {
 
-/// What one thread did wrong last. Of fixed size: that there is no memory can be told, too.
+/// Last error of one thread. Fixed size, so that exhausted memory can also be reported.
 struct LastError {
   std::int32_t status = HAPTO_OK;
   std::array<char, 2048> message{};

@@ -235,7 +235,7 @@ class Loop {
     }
   }
 
-  /// As RecordingHeader has it, but for what only its writer knows.
+  /// As RecordingHeader, except for fields that only its writer knows.
   [[nodiscard]] std::string header() {
     return nlohmann::ordered_json{{"scenario", sceneFileText(scene_file_)},
                                   {"title", scene_file_.title},
@@ -248,7 +248,7 @@ class Loop {
                                   {"start_tick", start_tick_ + handed_out_ + loop_->lostRecords()},
                                   {"tick_s", parameters_.tick_s},
                                   {"paced", parameters_.paced}}
-        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // of a device's name: any bytes
+        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // a device's name may hold any bytes
   }
 
   void pause(bool on) {
@@ -291,11 +291,11 @@ class Loop {
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;
-  std::uint64_t start_tick_;      ///< of the scene, when it came here
+  std::uint64_t start_tick_;      ///< tick of the scene when it was handed over
   std::uint64_t handed_out_ = 0;  ///< ticks, by takeTicks()
-  bool end_published_ = false;    ///< of a loop that its caller ticks
+  bool end_published_ = false;    ///< for a loop that its caller ticks
   std::optional<HapticLoop> loop_;
-  std::vector<TickRecord> taken_;                ///< from the loop, and by nobody yet
+  std::vector<TickRecord> taken_;                ///< taken from the loop, not yet handed out
   std::atomic<LoopEnd> end_{LoopEnd::kRunning};  ///< the tick's thread writes it, the one that watches reads it
   bool started_ = false;
   std::atomic<bool> stop_asked_{false};

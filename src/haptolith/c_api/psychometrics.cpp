@@ -53,7 +53,7 @@ std::vector<LabOption> optionsOf(FitRequest& asked, double& pool_tolerance) {
 /// The function and its band, a little beyond the levels.
 void addCurve(const Fit& fit, Result& result) {
   constexpr int kPoints = 101;
-  constexpr double kBeyond = 0.1;  // of the levels' range
+  constexpr double kBeyond = 0.1;  // fraction of the levels' range
   const bool log_axis = fit.function.log_axis;
   const auto on_axis = [log_axis](double x) { return log_axis ? std::log(x) : x; };
   const double low = on_axis(fit.levels.front().x);

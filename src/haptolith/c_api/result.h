@@ -10,12 +10,12 @@
 
 namespace haptolith::library {
 
-/// What cannot be told in a number: an object of JSON, and a table of numbers.
+/// A result with more than one number: a JSON object, and a table of numbers.
 struct Result {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  std::vector<std::string> names = {};  ///< of the columns
+  std::vector<std::string> names = {};  ///< names of the columns
   std::vector<std::vector<double>> columns = {};
-  std::string text = {};  ///< of the JSON, made by handOut()
+  std::string text = {};  ///< text of the JSON, made by handOut()
 };
 
 /// A handle to it, with the columns' names in the JSON.

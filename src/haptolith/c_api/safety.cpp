@@ -1,4 +1,4 @@
-// The safety layer alone, for hosts with a loop and a device of their own.
+// The safety layer alone, for hosts with their own loop and device.
 
 #include <fmt/format.h>
 #include <haptolith/haptolith.h>

@@ -62,7 +62,7 @@ std::int32_t with(const hapto_scene* scene, Body&& body) {
   return withHandle(scene, "scene", std::forward<Body>(body));
 }
 
-/// The same at 1 kHz, which notes nothing. @param argument  that must not be NULL.
+/// As above for calls at 1 kHz, which record no error text. @param argument  that must not be NULL.
 template <class Body>
 std::int32_t quicklyWith(const hapto_scene* scene, const void* argument, Body&& body) noexcept {
   if (argument == nullptr) {
@@ -72,7 +72,7 @@ std::int32_t quicklyWith(const hapto_scene* scene, const void* argument, Body&& 
   return claim.status() != HAPTO_OK ? claim.status() : body(*claim);
 }
 
-/// What a field is made of.
+/// Data of a field.
 struct Field {
   std::int32_t type = 0;
   std::uint32_t components = 0;

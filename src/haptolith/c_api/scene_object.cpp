@@ -63,7 +63,7 @@ SceneFile withChangesOf(SceneFile scene, const SceneFile& other) {
   scene.body = other.body;
   scene.bed.soil = other.bed.soil;
   scene.bed.gravity_m_s2 = other.bed.gravity_m_s2;
-  scene.bed.start = other.bed.start;  // of soil that lies already
+  scene.bed.start = other.bed.start;  // the soil already exists
   scene.bed.threads = other.bed.threads;
   scene.mesh = other.mesh;
   scene.tool = other.tool;
@@ -251,7 +251,7 @@ void SceneObject::setGravity(const Vec3& gravity_m_s2) noexcept {
 SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) const {
   SceneChanges changes{.gravity_m_s2 = {}, .laws = {}, .tool = {}, .wanted = changed(scene_file_, overrides)};
   SceneFile& wanted = changes.wanted;
-  wanted.bed.start = scene_file_.bed.start;  // of soil that lies already
+  wanted.bed.start = scene_file_.bed.start;  // the soil already exists
   SceneFile rest = withChangesOf(wanted, scene_file_);
   if (!(rest == scene_file_)) {
     throw InvalidParameter("overrides", fmt::format("{} keys", overrides.size()),

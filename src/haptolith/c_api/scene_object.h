@@ -16,7 +16,7 @@
 
 namespace haptolith::library {
 
-/// What is to change in the soil as it lies, checked.
+/// Checked changes of the existing soil.
 struct SceneChanges {
   std::optional<Vec3> gravity_m_s2;
   std::optional<SoilLaws> laws;
@@ -29,10 +29,10 @@ class SceneObject {
  public:
   /// @throws InvalidParameter, Failure: as Scene.
   SceneObject(const SceneFile& scene_file, const SettleProgress& progress);
-  /// Goes on from the bytes of save(). @throws Failure when they are none, of another version or instruction set;
+  /// Continues from the bytes of save(). @throws Failure for other bytes, another version or instruction set;
   /// InvalidParameter as Scene.
   explicit SceneObject(std::string_view saved);
-  /// Goes on where another one is.
+  /// Continues from the state of another one.
   SceneObject(const SceneObject& other);
   SceneObject& operator=(const SceneObject&) = delete;
 
@@ -73,7 +73,7 @@ class SceneObject {
   std::unique_ptr<Scene> scene_;
   std::int32_t condition_ = HAPTO_OK;
   double opening_ = 1;
-  bool as_made_ = true;  ///< nobody has changed gravity, soil or tool, or set a state
+  bool as_made_ = true;  ///< gravity, soil and tool are unchanged, and no state was set
 };
 
 }  // namespace haptolith::library

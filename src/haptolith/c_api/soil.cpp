@@ -21,7 +21,7 @@ using namespace haptolith::library;
 
 namespace {
 
-/// The number that a dotted key stands for; NaN: none is given.
+/// The number of a dotted key; NaN if it is absent.
 template <class Target>
 std::optional<double> numberAt(std::string_view dotted, std::span<const FileKey<Target>> keys, const Target& target) {
   for (const FileKey<Target>& key : keys) {

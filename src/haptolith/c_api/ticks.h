@@ -6,7 +6,7 @@
 
 namespace haptolith::library {
 
-/// A tick as the C interface tells it, and back: every number stays as it is.
+/// Converts a tick to the C interface, and back, without changing a number.
 [[nodiscard]] hapto_tick tickOf(const TickRecord& record) noexcept;
 [[nodiscard]] TickRecord recordOf(const hapto_tick& tick) noexcept;
 

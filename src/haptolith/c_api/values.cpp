@@ -10,7 +10,7 @@ DeviceLimits limits(const hapto_device_limits& declared) {
   if (sizeStatus(&declared) != HAPTO_OK) {
     throw InvalidParameter("limits.size", fmt::format("{}", declared.size), fmt::format("{}", sizeof declared));
   }
-  const auto not_negative = [](const char* key, double value) {  // infinity is valid, and stands for no limit
+  const auto not_negative = [](const char* key, double value) {  // infinity is valid, and means no limit
     if (!(value >= 0)) {
       throw InvalidParameter(fmt::format("limits.{}", key), fmt::format("{}", value), ">= 0, or infinite for no limit");
     }

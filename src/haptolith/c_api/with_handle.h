@@ -9,7 +9,7 @@
 
 namespace haptolith::library {
 
-/// Does `body` with what the handle points to, for as long as nobody else may use it; a status, whatever goes wrong.
+/// Runs `body` on the target of the handle with exclusive use; returns a status in every case.
 /// @param name  of the argument, for messages. @param body  returns a status or nothing, or throws.
 template <class H, class Body>
 std::int32_t withHandle(const H* handle, const char* name, Body&& body,

@@ -10,7 +10,7 @@ namespace {
 constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr std::uint8_t kNoDigit = 64;
 
-/// What each letter stands for.
+/// Value of each letter.
 constexpr std::array<std::uint8_t, 256> valuesOfLetters() {
   std::array<std::uint8_t, 256> values{};
   values.fill(kNoDigit);

@@ -19,14 +19,14 @@ struct Range {
 
   [[nodiscard]] bool contains(double value) const noexcept;
   [[nodiscard]] std::string text() const;  ///< For example "> 0" or "0 to 0.6".
-  /// The same range as numbers of a unit: in(1e-3) of 0 to 0.6 m is 0 to 600 mm.
+  /// Converts the range to a unit: in(1e-3) of 0 to 0.6 m is 0 to 600 mm.
   [[nodiscard]] Range in(double unit) const;
 };
 
 /// The number of `unit`s that is read as exactly `value` (126, not 126.00000000000001), where there is one.
 [[nodiscard]] double inUnits(double value, double unit);
 
-/// A value the caller gave is wrong: says which key, what value and what would be valid. Exit status 2.
+/// An invalid value from the caller: names the key, the value and the valid values. Exit status 2.
 class InvalidParameter : public std::invalid_argument {
  public:
   InvalidParameter(std::string key, std::string value, std::string valid);
@@ -48,7 +48,7 @@ class InvalidParameter : public std::invalid_argument {
   std::optional<OutOfRange> out_of_range_;
 };
 
-/// What is wrong with a parameter in SI as who gave it has to know it, in the unit of the key he gave:
+/// States the valid range of a parameter in the unit of its key, although the program keeps it in SI:
 /// "14 to 100000 (mm)".
 [[nodiscard]] InvalidParameter inUnitOfKey(const InvalidParameter& error, std::string_view key);
 

@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// Where an increasing function crosses zero between the ends of a range; the nearer end when it does not. (Alefeld,
+/// Finds the root of an increasing function in a range; returns the nearer end if there is none. (Alefeld,
 /// Potra and Shi, Algorithm 748, ACM Trans. Math. Softw. 21(3), 1995.)
 template <class Function>
 [[nodiscard]] double findRoot(const Range& range, Function f) {

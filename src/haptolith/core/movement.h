@@ -27,7 +27,7 @@ struct ToolForce {
 /// An orientation, turned on by a rotation vector: the other way round of rotationBetween().
 [[nodiscard]] Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept;
 
-/// What goes from one pose to another in a tick, and is at the other.
+/// Movement from one pose to another within a tick, at the second pose.
 [[nodiscard]] Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept;
 
 /// The vector, shortened to `largest` where it is longer.

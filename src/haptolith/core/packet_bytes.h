@@ -36,7 +36,7 @@ class PacketReader {
       v[i] = static_cast<double>(next<T>());
     }
   }
-  /// w x y z, as it stands there: of no unit length.
+  /// w x y z, as received: not normalised.
   template <class T = double>
   void readQuaternion(Quat& q) noexcept {
     q.w() = static_cast<double>(next<T>());

@@ -33,7 +33,7 @@ Letter firstOf(std::string_view text) {
     }
     number = number << 6U | (byte(i) & 0x3FU);
   }
-  constexpr std::array<char32_t, 5> kSmallest{0, 0, 0x80, 0x800, 0x10000};  // of so many bytes
+  constexpr std::array<char32_t, 5> kSmallest{0, 0, 0x80, 0x800, 0x10000};  // smallest code point by number of bytes
   const bool surrogate = number >= 0xD800 && number <= 0xDFFF;
   if (number < kSmallest[size] || number > 0x10FFFF || surrogate) {
     return {};
@@ -52,7 +52,7 @@ bool isObeyed(char32_t letter, Lines lines) {
   return control || separator || direction;
 }
 
-/// Characters that look like nothing, a space or a minus sign, and are none.
+/// Characters that are invisible or are mistaken for a space or a minus sign.
 bool isLookAlike(char32_t letter) {
   constexpr std::array kSingle{U'\u00a0', U'\u00ad', U'\u1680', U'\u180e', U'\u202f', U'\u2212', U'\u3000', U'\ufeff'};
   return (letter >= 0x2000 && letter <= 0x200D) || (letter >= 0x205F && letter <= 0x2064) ||

@@ -6,7 +6,7 @@
 
 namespace haptolith {
 
-/// How much of somebody else's text a message repeats.
+/// Length to which a message quotes foreign text.
 inline constexpr std::size_t kQuoteLetters = 60;
 
 /// Which control characters text may have.
@@ -23,8 +23,8 @@ enum class Lines { kOne, kSeveral };
 /// plainText() of its first letters, and "..." when there are more than `most`.
 [[nodiscard]] std::string shortened(std::string_view text, std::size_t most = kQuoteLetters);
 
-/// The same in quotes, for messages: 'title'. Also shows characters that look like nothing, a space or a minus sign and
-/// are none: '0.5\u00a0'.
+/// plainText() in quotes, for messages: 'title'. Also escapes characters that are invisible or are mistaken for a space
+/// or a minus sign: '0.5\u00a0'.
 [[nodiscard]] std::string inQuotes(std::string_view text, std::size_t most = kQuoteLetters);
 
 }  // namespace haptolith

@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// "1 trial", "2 trials", and with a plural of its own "1 person", "2 people".
+/// "1 trial", "2 trials", and with a separate plural "1 person", "2 people".
 [[nodiscard]] std::string pluralise(std::integral auto number, std::string_view one, std::string_view several = {}) {
   return number == 1       ? fmt::format("1 {}", one)
          : several.empty() ? fmt::format("{} {}s", number, one)

@@ -9,7 +9,7 @@ inline double uniformSigned(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-52 - 1;
 }
 
-/// A number of mean 0 and deviation 1, nearly normal: twelve even ones together (Irwin and Hall). The same on every
+/// A number of mean 0 and deviation 1, nearly normal: twelve even ones together (Irwin and Hall). Identical on every
 /// machine.
 inline double nearlyNormal(std::mt19937_64& random) {
   double sum = 0;

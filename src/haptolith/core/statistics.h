@@ -13,7 +13,7 @@ namespace haptolith {
 /// The standard deviation of the population that the values are a sample of (divisor n - 1); NaN of fewer than two.
 [[nodiscard]] double standardDeviation(std::span<const double> values) noexcept;
 
-/// The median, of an even number of values the mean of the two in the middle; NaN without values.
+/// The median; for an even number of values the mean of the two central ones; NaN without values.
 [[nodiscard]] double median(std::vector<double> values);
 
 /// The value below which `fraction` (0 to 1) of the values lie, interpolated between the two nearest (Hyndman and Fan's

@@ -11,11 +11,11 @@ namespace haptolith {
 using Vec3 = Eigen::Vector3d;
 using Quat = Eigen::Quaterniond;
 
-/// What the norm of an orientation from outside may be: an empty message gives 0, and no device or page rounds so
+/// Valid norms of an orientation from outside: an empty message gives 0, and no device or page rounds so
 /// coarsely.
 inline constexpr Range kUnitNorm{0.99, 1.01};
 [[nodiscard]] inline bool isUnit(const Quat& orientation) noexcept {
-  const double norm = orientation.norm();  // NaN is none
+  const double norm = orientation.norm();  // NaN is outside
   return norm >= kUnitNorm.lowest && norm <= kUnitNorm.highest;
 }
 

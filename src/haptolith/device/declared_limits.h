@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// What a device declares, as JSON, and back. @throws Failure for any other text.
+/// Writes the declared limits of a device as JSON; limitsOf() reads them. @throws Failure for any other text.
 [[nodiscard]] std::string limitsText(const DeviceLimits& limits, bool simulated);
 struct DeclaredLimits {
   DeviceLimits limits;

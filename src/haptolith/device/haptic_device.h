@@ -18,10 +18,10 @@ enum class DeviceState : std::uint8_t {
   kFinished,  ///< nothing more will come, for example at the end of a pose file
 };
 
-/// What a device reports of the handle, device frame: right-handed, m and rad.
+/// State of the handle from a device, device frame: right-handed, m and rad.
 struct DeviceInput {
-  Pose pose;                  ///< of the handle; the identity turn from a device that has none
-  Twist twist;                ///< of the handle
+  Pose pose;                  ///< handle; identity orientation from a device without rotation
+  Twist twist;                ///< handle
   double gripper_open = 0;    ///< 0 closed to 1 wide open
   std::uint32_t buttons = 0;  ///< bit n: button n is down
   DeviceState state = DeviceState::kLive;
@@ -40,14 +40,14 @@ struct DeviceOutput {
   double gripper_force_n = 0;  ///< > 0 opens the fingers
 };
 
-/// What a device declares of itself. Infinity stands for no limit; 0 N means that it shows no force.
+/// Properties that a device declares. Infinity means no limit; 0 N means no force feedback.
 struct DeviceLimits {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 
   double max_force_n = kNone;
   double max_torque_nm = kNone;
   double max_gripper_force_n = kNone;
-  double max_force_rate_n_s = kNone;  ///< how fast a force may change, except to zero
+  double max_force_rate_n_s = kNone;  ///< largest rate of force, except to zero
   double max_torque_rate_nm_s = kNone;
   double max_gripper_rate_n_s = kNone;
   double max_stiffness_n_m = kNone;  ///< that it shows without shaking, at `rate_hz`
@@ -57,8 +57,8 @@ struct DeviceLimits {
       Vec3::Zero();  ///< turns its frame into that of a person before it: x right, y away, z up; as in Mapping
   Vec3 workspace_centre_m = Vec3::Zero();
   double workspace_radius_m = kNone;
-  double rate_hz = 1000;    ///< at which it tells and shows something new
-  double delay_s = 0;       ///< from write() to what the next read() then tells of it, beyond a tick
+  double rate_hz = 1000;    ///< update rate of readings and forces
+  double delay_s = 0;       ///< from write() to its effect on read(), beyond a tick
   bool delay_known = true;  ///< else the delay is anything up to delay_s
   double resolution_m = 0;  ///< positions come in steps, or with noise to either side, of at most this; 0: exact
   bool turns = true;        ///< whether the handle's turn is known
@@ -75,17 +75,17 @@ class HapticDevice {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   [[nodiscard]] virtual DeviceLimits limits() const noexcept = 0;
 
-  /// Whether nobody's hand is at it: time may then run slower, and forces need no soft start.
+  /// Whether no person's hand is at it: time may then run slower, and forces need no soft start.
   [[nodiscard]] virtual bool simulated() const noexcept { return false; }
 
-  /// The handle now. Never NaN in a live input; a driver that cannot read says so in `state`.
+  /// The handle now. Never NaN in a live input; a driver that cannot read reports it in `state`.
   [[nodiscard]] virtual DeviceInput read() noexcept = 0;
 
   /// Makes the hand feel something. What fails shows in the state of the next read().
   virtual void write(const DeviceOutput& output) noexcept = 0;
 
-  /// Zero force at once and from now on, whatever write() is told: the last resort of another thread or of a signal's
-  /// handler when the loop does not answer. May be called from anywhere, also twice.
+  /// Sets zero force immediately and permanently, whatever write() gets: the last resort of another thread or of a
+  /// signal handler when the loop hangs. May be called from anywhere, also twice.
   virtual void releaseForce() noexcept = 0;
 
   /// Whether the last releaseForce() has reached the device. May be called from anywhere.

@@ -5,7 +5,7 @@
 namespace haptolith {
 
 namespace {
-/// How long force takes to come back after the clutch.
+/// Duration of the force's return after the clutch.
 constexpr double kClutchFade_s = 0.2;
 
 Quat turnOf(const Vec3& angles_rad) {

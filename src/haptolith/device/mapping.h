@@ -9,9 +9,9 @@
 
 namespace haptolith {
 
-/// Where a device's workspace lies in the scene, and how large it is there.
+/// Place and scale of a device's workspace in the scene.
 struct MappingParameters {
-  Vec3 offset_m = Vec3::Zero();  ///< where the middle of the device's workspace lies in the scene
+  Vec3 offset_m = Vec3::Zero();  ///< centre of the device's workspace in the scene
   /// Turns the frame of the person before the device (DeviceLimits::turn_rad) into the scene's: about the scene's x,
   /// then y, then z.
   Vec3 turn_rad = Vec3::Zero();
@@ -23,7 +23,7 @@ struct MappingParameters {
   [[nodiscard]] bool operator==(const MappingParameters&) const = default;
 };
 
-/// What is valid; of each axis of offset and turn.
+/// Valid ranges; for offset and turn those of each axis.
 struct MappingRanges {
   static constexpr double kFullTurn_rad = 360 * (std::numbers::pi / 180);
   static constexpr Range offset_m{-10, 10};
@@ -41,15 +41,15 @@ void validate(const MappingParameters& mapping);
 ///     x_scene = a_scene + s R (x_device - a_device)        q_scene = R q_device R^-1 b
 ///     F_device = s_F R^-1 F_scene                          T_device = s_F / s R^-1 T_scene
 ///
-/// Levers are s times shorter at the device, hence the torque: power at the device is s_F / s of that in the scene, the
-/// same where s_F = s. The anchors a and b move when the clutch has been held, so that the tool never jumps, and force
-/// comes back within 0.2 s. All functions may be called in the tick.
+/// Levers are s times shorter at the device, therefore the torque: power at the device is s_F / s of that in the scene,
+/// the same where s_F = s. The anchors a and b move when the clutch has been held, so that the tool never jumps, and
+/// force comes back within 0.2 s. All functions may be called in the tick.
 class Mapping {
  public:
   /// @throws InvalidParameter as validate().
   Mapping(const MappingParameters& parameters, const DeviceLimits& device, double tick_s);
 
-  /// Where the hand has the tool. While the clutch is held: where it had it, at rest, and the hand feels nothing.
+  /// Pose of the tool in the hand. While the clutch is held: the last pose, at rest, without force on the hand.
   /// Without a gripper the jaws stay open.
   [[nodiscard]] HandState toScene(const DeviceInput& input) noexcept;
   /// Output for the device, device frame, of a force on the tool, scene frame.

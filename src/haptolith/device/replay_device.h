@@ -7,13 +7,13 @@
 
 namespace haptolith {
 
-/// A device that tells what another one told in each tick of a recording, and declares what that one declared.
+/// A device that repeats the readings and the declared limits of a recorded one, tick by tick.
 class ReplayDevice final : public HapticDevice {
  public:
   ReplayDevice(std::string name, const DeviceLimits& limits, bool simulated)
       : name_(std::move(name)), limits_(limits), simulated_(simulated) {}
 
-  /// What the next read() tells. From the loop's thread.
+  /// Sets the next reading. From the loop's thread.
   void feed(const DeviceInput& input) noexcept { input_ = input; }
 
   [[nodiscard]] std::string_view name() const noexcept override { return name_; }

@@ -14,7 +14,7 @@
 #include "haptolith/core/process/child_process.h"
 
 // gnuplot reads its commands from an unnamed temporary file and writes picture and complaints to two others, so that it
-// is never told the name of a file: "|command" would be one. A pipe would be shorter, but when gnuplot stops at an
+// never receives the name of a file: "|command" would be one. A pipe would be shorter, but when gnuplot stops at an
 // error, writing on into the pipe kills us (SIGPIPE) before its words are read.
 
 namespace haptolith {
@@ -23,7 +23,7 @@ namespace {
 
 struct GnuplotAnswer {
   bool succeeded = false;
-  std::string picture;  ///< what it wrote on standard output
+  std::string picture;  ///< its standard output
   std::string words;    ///< and on standard error
 };
 
@@ -32,7 +32,7 @@ GnuplotAnswer runGnuplot(const std::string& script) {
   const Descriptor input = temporaryFile(script);
   const Descriptor picture = temporaryFile();
   const Descriptor words = temporaryFile();
-  // Nobody's settings, which are commands, too.
+  // No user's settings, which are also commands.
   ChildProcess::Command command{
       .arguments = {"gnuplot", "--default-settings"}, .package = "gnuplot-nox", .environment = {}};
   if (script.empty()) {
@@ -56,7 +56,7 @@ std::string terminalFor(const std::filesystem::path& path, int width_px, int hei
   throw InvalidParameter("figure", fmt::format("'{}'", path.string()), "a file name ending in .svg or .png");
 }
 
-/// What all figures have in common: a thin grey frame on two sides, a pale grid, no legend box.
+/// Common style of all figures: a thin grey frame on two sides, a pale grid, no legend box.
 constexpr std::string_view kStyle = R"(
 set encoding utf8
 set border 3 linecolor rgb '#444444'
@@ -86,7 +86,7 @@ Figure::Figure(const OutputFile& file, int width_px, int height_px) {
 }
 
 std::string gnuplotQuoted(std::string_view text) {
-  constexpr std::string_view kMarks = "\\@^_{}&~";  // of enhanced text
+  constexpr std::string_view kMarks = "\\@^_{}&~";  // marks of enhanced text
   std::string result = "'{}";  // gnuplot reads a text without a mark as plain, and shows its backslashes
   for (const char letter : shortened(text, kFigureTextLetters)) {
     if (letter == '\'') {

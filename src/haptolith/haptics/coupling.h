@@ -8,15 +8,15 @@
 
 namespace haptolith {
 
-/// What joins the hand to the tool.
+/// Connection between hand and tool.
 enum class CouplingKind {
   kAuto,     ///< as suitsDirectly() says
   kDirect,   ///< the tool is where the hand is, and the hand feels the soil: the paper's way
   kVirtual,  ///< a spring and a damper pull the tool after the hand, and the hand feels these
 };
 
-/// Whether a device is coupled directly unless a scene says otherwise: it shows force, no more than 1 ms late, and
-/// tells positions finely enough (docs/explanation/safety.md).
+/// Whether a device is coupled directly unless a scene says otherwise: it renders force with
+/// at most 1 ms of latency, and its resolution is fine enough (docs/explanation/safety.md).
 [[nodiscard]] bool suitsDirectly(const DeviceLimits& device) noexcept;
 
 struct CouplingParameters {
@@ -35,7 +35,7 @@ struct CouplingParameters {
   return kind == CouplingKind::kVirtual || (kind == CouplingKind::kAuto && !suits_directly);
 }
 
-/// What is valid of each number alone.
+/// Valid range of each number alone.
 struct CouplingRanges {
   static constexpr Range stiffness_n_m{0, 1e5, Ends::kOpenBelow};
   static constexpr Range damping_n_s_m{0, 1000};
@@ -51,7 +51,7 @@ void validate(const CouplingParameters& coupling, double tick_s);
 /// The tool between hand and soil. A direct coupling is what the paper does: nothing between them but the low-pass. It
 /// feels every grain and is as stable as the soil's stiffness, the filter's delay and the hand allow. A virtual
 /// coupling (Colgate, Stanley and Brown 1995, "Issues in the haptic display of tool use", IROS, 140-145) gives the tool
-/// a mass of its own: however stiff the soil, the hand meets no more than the spring K and damper B, stable at a device
+/// a separate mass: however stiff the soil, the hand feels at most the spring K and damper B, stable at a device
 /// with damping b as long as b > K dt / 2 + B (Colgate and Schenkel 1997, J. Robotic Systems 14:37; sufficient, and far
 /// from necessary with a person's hand at the device). Its force needs no low-pass. Functions may be called in the
 /// tick.
@@ -61,16 +61,16 @@ class Coupling {
   /// @throws InvalidParameter as validate().
   Coupling(const CouplingParameters& parameters, bool suits_directly, double filter_cutoff_hz, double tick_s);
 
-  /// Where the tool goes in this tick.
+  /// Moves the tool by one tick; returns its state.
   [[nodiscard]] const HandState& moveTool(const HandState& hand) noexcept;
-  /// What the hand feels of it, once the soil has answered; the fingers feel it directly.
+  /// Returns the wrench on the hand after the soil has responded; the fingers get the grip force directly.
   [[nodiscard]] ToolForce feel(const ToolForce& soil, const Eigen::Matrix3d& contact_stiffness_n_m) noexcept;
 
   /// The tool is where the hand is, at rest.
   void place(const HandState& hand) noexcept;
 
   [[nodiscard]] bool isVirtual() const noexcept { return virtual_; }
-  /// Of the spring between hand and tool, in N/m; infinite for a direct coupling.
+  /// Stiffness of the spring between hand and tool, in N/m; infinite for a direct coupling.
   [[nodiscard]] double stiffness() const noexcept;
 
  private:

@@ -17,7 +17,7 @@ struct LoopParameters {
   [[nodiscard]] bool operator==(const LoopParameters&) const = default;
 };
 
-/// What is valid; read by validate(), scene files and the command line alike.
+/// Valid ranges; read by validate(), scene files and the command line alike.
 struct LoopRanges {
   static constexpr Range tick_s{1e-4, 0.1};
   static constexpr Range duration_s{0, 1e7};

@@ -17,8 +17,8 @@ namespace haptolith {
 
 namespace {
 
-/// CPUs that a thread of ours may be pinned to. Those that it runs on of itself are not all: isolcpus keeps it from the
-/// isolated ones until it asks for them. So a thread asks for all, and looks which it got.
+/// CPUs that a thread of this process may be pinned to. Its default set is not complete: isolcpus excludes the
+/// isolated ones until a thread requests them. So a thread requests all, and checks the result.
 cpu_set_t usableCpus() {
   cpu_set_t usable;
   CPU_ZERO(&usable);

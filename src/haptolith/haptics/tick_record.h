@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// Bits of TickRecord::flags; in recordings, and HAPTO_TICK_... of the library.
+/// Bits of TickRecord::flags; also in recordings, and HAPTO_TICK_... in the library.
 enum TickFlag : std::uint32_t {
   kTickLate = 1,              ///< did not end in time
   kTickForceZeroed = 2,       ///< zero force, for the reason in `trip`
@@ -15,7 +15,7 @@ enum TickFlag : std::uint32_t {
   kTickForceRateLimited = 8,  ///< force changed no faster than the device may
   kTickSoftStart = 16,        ///< force was still rising after a start or a trip
   kTickPassivityDamped = 32,  ///< energy in excess was damped
-  kTickResumed = 64,          ///< time stood still before it
+  kTickResumed = 64,          ///< time was paused before it
   kTickHeartbeatLost = 128,   ///< the watchdog had set the force to zero before it
   kTickSceneChanged = 256,    ///< soil, gravity, tool or bed were changed before it, or the tool fades for that
   kTickSoftStop = 512,        ///< the run was about to end
@@ -29,14 +29,14 @@ struct TickRecord {
   double time_s = 0;
   DeviceInput device;  ///< as the device reported it, device frame
   Pose scene_T_tool;
-  Wrench soil;                   ///< of the soil on the tool, about the tool's origin, scene frame, unfiltered
-  DeviceOutput rendered;         ///< what the device would be sent without the safety layer, device frame
+  Wrench soil;                   ///< soil on tool, about the tool's origin, scene frame, unfiltered
+  DeviceOutput rendered;         ///< output before the safety layer, device frame
   DeviceOutput sent;             ///< device wrench: output that the device was sent, device frame
   double injected_j = 0;         ///< Passivity::injected()
   double quick_injected_j = 0;   ///< Passivity::quickInjected()
   double tick_us = 0;            ///< work of this tick, without sleep
-  double late_us = 0;            ///< how late it began
-  std::uint64_t state_hash = 0;  ///< of the part of the bed that was hashed in this tick; 0 when nobody asked for it
+  double late_us = 0;            ///< lateness of its begin
+  std::uint64_t state_hash = 0;  ///< hash of the part of the bed that was hashed in this tick; 0 unless requested
   std::uint32_t flags = 0;
   std::uint8_t trip = 0;  ///< SafetyTrip
 };

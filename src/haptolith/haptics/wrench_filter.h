@@ -10,8 +10,8 @@ namespace haptolith {
 ///     y += (1 - exp(-2 pi f_c dt)) (x - y)
 ///
 /// This is the step-invariant discretisation: the answer to a step is 1 - exp(-2 pi f_c t) exactly at every tick. First
-/// order, because each further order adds delay, and delay between hand and soil costs stability. What is left of a
-/// force that has ended is cut to exactly zero once it is too small to feel.
+/// order, because each further order adds delay, and delay between hand and soil costs stability. The rest of an
+/// ended force is set to exactly zero once it is below the detection threshold.
 class WrenchFilter {
  public:
   /// @param cutoff_hz  above 0, at most half the tick rate. @throws InvalidParameter.
@@ -27,7 +27,7 @@ class WrenchFilter {
   Wrench output_;
 };
 
-/// The same for the force between the fingers.
+/// As WrenchFilter, for the force between the fingers.
 class GripFilter {
  public:
   /// As WrenchFilter().
@@ -45,7 +45,7 @@ class GripFilter {
 ///
 /// A low-pass between soil and hand delays the answer to the hand's own movement. Against n contacts of stiffness
 /// k_tool that delay acts like negative damping, -n k_tool / (2 pi f_c), more than an arm has: a shovel between
-/// compacted particles would shake by itself. But this answer need not be waited for: it is -stiffness times the
+/// compacted particles would oscillate. But this response needs no waiting: it is -stiffness times the
 /// movement, with the stiffness of those contacts that hold (see ToolReaction). Slow movements are left to the
 /// low-pass, where their delay does no harm.
 class QuickMovement {

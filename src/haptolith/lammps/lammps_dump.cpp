@@ -37,13 +37,13 @@ std::string_view nextWord(std::string_view& rest) {
   return word;
 }
 
-/// What a dump's columns hold, in the order of kColumns.
+/// Indices of a dump's columns, in the order of kColumns.
 constexpr std::size_t kX = 1, kRadius = 4, kType = 5, kVelocity = 6;
 
-/// How a column's numbers become those of kColumns.
+/// Conversion of a column's numbers to those of kColumns.
 enum class Meaning {
   kAsItIs,
-  kWrapped,   ///< xu: goes on where x begins again on the other side of the box
+  kWrapped,   ///< xu: continues where x wraps to the other side of the box
   kScaled,    ///< xs: 0 to 1 in the box
   kDiameter,  ///< twice the radius
 };
@@ -54,31 +54,32 @@ struct ColumnName {
   std::size_t column;
   Meaning meaning = Meaning::kAsItIs;
 };
-/// Of two columns that mean the same the earlier one here is read.
-constexpr std::array kNames{ColumnName{"id", 0},
-                            ColumnName{"x", 1},
-                            ColumnName{"y", 2},
-                            ColumnName{"z", 3},
-                            ColumnName{"v_radius", kRadius},  // of the grains, where LAMMPS' spheres have another
-                            ColumnName{"radius", kRadius},
-                            ColumnName{"v_type", kType},
-                            ColumnName{"type", kType},
-                            ColumnName{"vx", 6},
-                            ColumnName{"vy", 7},
-                            ColumnName{"vz", 8},
-                            ColumnName{"xu", 1, Meaning::kWrapped},
-                            ColumnName{"yu", 2, Meaning::kWrapped},
-                            ColumnName{"zu", 3, Meaning::kWrapped},
-                            ColumnName{"xs", 1, Meaning::kScaled},
-                            ColumnName{"ys", 2, Meaning::kScaled},
-                            ColumnName{"zs", 3, Meaning::kScaled},
-                            ColumnName{"xsu", 1, Meaning::kScaled},
-                            ColumnName{"ysu", 2, Meaning::kScaled},
-                            ColumnName{"zsu", 3, Meaning::kScaled},
-                            ColumnName{"v_diameter", kRadius, Meaning::kDiameter},
-                            ColumnName{"diameter", kRadius, Meaning::kDiameter}};
+/// If two columns have one meaning, the earlier one in this list is read.
+constexpr std::array kNames{
+    ColumnName{"id", 0},
+    ColumnName{"x", 1},
+    ColumnName{"y", 2},
+    ColumnName{"z", 3},
+    ColumnName{"v_radius", kRadius},  // radius of the particles, where LAMMPS' spheres have another
+    ColumnName{"radius", kRadius},
+    ColumnName{"v_type", kType},
+    ColumnName{"type", kType},
+    ColumnName{"vx", 6},
+    ColumnName{"vy", 7},
+    ColumnName{"vz", 8},
+    ColumnName{"xu", 1, Meaning::kWrapped},
+    ColumnName{"yu", 2, Meaning::kWrapped},
+    ColumnName{"zu", 3, Meaning::kWrapped},
+    ColumnName{"xs", 1, Meaning::kScaled},
+    ColumnName{"ys", 2, Meaning::kScaled},
+    ColumnName{"zs", 3, Meaning::kScaled},
+    ColumnName{"xsu", 1, Meaning::kScaled},
+    ColumnName{"ysu", 2, Meaning::kScaled},
+    ColumnName{"zsu", 3, Meaning::kScaled},
+    ColumnName{"v_diameter", kRadius, Meaning::kDiameter},
+    ColumnName{"diameter", kRadius, Meaning::kDiameter}};
 
-/// Where a column stands in the file.
+/// Place of a column in the file.
 struct Column {
   std::size_t place = kNone;
   std::size_t rank = kNames.size();  ///< in kNames
@@ -144,7 +145,7 @@ class DumpReader {
     return !ends_with_line_ && file_.rdbuf()->sgetc() == std::ifstream::traits_type::eof();
   }
 
-  /// Of whichever system it was written on.
+  /// Reads the next line, with the line end of any system.
   bool nextLine() {
     if (!lines_.next(line_)) {
       return false;
@@ -223,7 +224,7 @@ class DumpReader {
 
   [[nodiscard]] DumpedGrain grain(const Columns& columns) const {
     std::array<double, kColumns.size()> numbers{};
-    numbers.at(kType) = 1;  // the type, where nobody tells it
+    numbers.at(kType) = 1;  // default of the type
     std::size_t found = 0;
     std::string_view rest = line_;
     std::size_t place = 0;

@@ -17,9 +17,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kToolTold_s = 1e-3;     ///< mean forces on the tool are told so often
+constexpr double kToolTold_s = 1e-3;     ///< period of printed mean forces on the tool
 constexpr double kKey_s = 0.01;          ///< from pose to pose of the tool
-constexpr double kMostSphere = 1.0 / 3;  ///< of a tool, in radii of the soil
+constexpr double kMostSphere = 1.0 / 3;  ///< largest sphere of a tool, in radii of the soil
 
 double densityOf(double mass_kg, double radius_m) {
   return mass_kg / (4.0 / 3 * std::numbers::pi * radius_m * radius_m * radius_m);
@@ -106,7 +106,7 @@ void appendAtom(std::string& text, std::size_t id, int type, double radius_m, do
 }
 
 struct Box {
-  double half_width_m, half_length_m;  ///< of the walls, or of the period
+  double half_width_m, half_length_m;  ///< half size of the walls, or of the period
 };
 Box boxOf(const BedParameters& bed) {
   const double held_m = heldWidth(bed);
@@ -119,7 +119,7 @@ std::string dataText(const Bed& bed, const LammpsRun& run, const LammpsFiles& fi
   const BedParameters& parameters = bed.parameters();
   const double radius_m = parameters.soil.radius_m;
   const Box box = boxOf(parameters);
-  // A wall lets grains stand in it by less than their radius; a tool may begin, and go, beside the box.
+  // A wall lets grains stand in it by less than their radius; a tool may begin, and move, outside the box.
   double x_m = box.half_width_m + (parameters.periodic_x ? 0 : 2 * radius_m);
   double y_m = box.half_length_m + (parameters.periodic_y ? 0 : 2 * radius_m);
   double top_m = bed.surfaceHeight() + 4 * radius_m;

@@ -11,20 +11,20 @@
 
 namespace haptolith {
 
-/// What is to be done with a bed in LAMMPS.
+/// Run of a bed in LAMMPS.
 struct LammpsRun {
   std::string title = {};
-  std::string program = {};   ///< what writes it, with its version
-  double dt_s = 0;            ///< of a step
-  double duration_s = 0;      ///< without a tool; with one its path says it
+  std::string program = {};   ///< writing program, with its version
+  double dt_s = 0;            ///< duration of a step
+  double duration_s = 0;      ///< without a tool; otherwise its path determines it
   double dump_every_s = 0.1;  ///< from picture to picture
   LammpsLaw law = LammpsLaw::kOfStyles;
   const ToolParameters* tool = nullptr;
   /// scene_T_tool, at least two in order of time; between two of them the tool moves at constant speed, along a line
   /// and about an axis.
   std::vector<TimedPose> path = {};
-  /// What each particle is; empty: kSoil, and kHeld where it stands for ever. Bodies (kBody and more) are moved by
-  /// whoever adds commands for them.
+  /// Kind of each particle; empty: kSoil, and kHeld if it is fixed. Bodies (kBody and more) are moved by
+  /// added commands.
   std::vector<int> kinds = {};
 
   static constexpr int kSoil = 1, kHeld = 2, kTool = 3, kBody = 4;
@@ -35,7 +35,7 @@ struct LammpsFiles {
   std::string data;   ///< bed.data
   std::string table;  ///< rest.table, of soil whose law is not exactly LAMMPS'; else empty
   std::string setup;  ///< everything before the first step
-  std::string path;   ///< how the tool goes, and the steps; without one the steps alone
+  std::string path;   ///< path of the tool, and the steps; without a tool the steps alone
   GranularLaw law;
   std::size_t tool_spheres = 0;
   int soil_types = 1;  ///< LAMMPS' types 1 to this are soil, by size; then comes what is held, the tool, each body
@@ -46,8 +46,8 @@ struct LammpsFiles {
 };
 
 /// The bed as it lies, for LAMMPS: contacts by granularLaw(), walls as they are, grains that do not turn, a tool of
-/// spheres (toolSpheres()) that follows its path and whose force is told. What contacts remember of slipping is left
-/// behind.
+/// spheres (toolSpheres()) that follows its path and whose force is printed. The slip of contacts is
+/// lost.
 /// @throws InvalidParameter as granularLaw() and toolSpheres(); for jaws, which are not one rigid body, and for a path
 /// of fewer than two poses.
 [[nodiscard]] LammpsFiles lammpsFiles(const Bed& bed, const LammpsRun& run);

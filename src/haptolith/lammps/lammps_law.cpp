@@ -29,7 +29,7 @@ void requireExportable(const BedParameters& bed) {
 }
 
 bool isLine(const SoilParameters& soil) {
-  constexpr double kRounding = 1e-3;  // somebody's three digits
+  constexpr double kRounding = 1e-3;  // three digits in a user's file
   return std::abs(soil.gamma_nm / linearGamma(soil) - 1) < kRounding;
 }
 
@@ -46,7 +46,7 @@ OwnContact ownContact(const Bed& bed) {
   return own;
 }
 
-/// How far two grains overlap (less than 0: the gap), how they repel, and what limits their friction, over mu.
+/// Overlap of two particles (less than 0: the gap), their repulsion, and the limit of their friction, over mu.
 struct Touch {
   double overlap_m, push_n, limit_n;
 };
@@ -118,7 +118,7 @@ Fit lineOf(const std::vector<Touch>& touches, double stiffest_n_m) {
 /// itself, with which dry sand comes out a sixth too strong and too weak in shear.)
 Fit hertzOf(const std::vector<Touch>& touches, const ContactLaw& law) {
   constexpr int kTries = 100;
-  const double earliest_m = law.cohesion_n > 0 ? law.cohesion_range_m / 2 : 0;  // where friction begins to feel it
+  const double earliest_m = law.cohesion_n > 0 ? law.cohesion_range_m / 2 : 0;  // begin of its effect on friction
   const double latest_m = -0.16 * law.diameter_m;
   Fit best{0, 0, 1e9};
   for (int i = 0; i <= kTries; ++i) {

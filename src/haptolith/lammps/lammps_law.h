@@ -9,8 +9,8 @@
 
 namespace haptolith {
 
-/// What is between two bodies, in the words of LAMMPS' pair style `granular`: along the normal a spring, F = k delta
-/// (`hooke`) or F = K sqrt(r) delta^(3/2) (`hertz`), r = r1 r2 / (r1 + r2), and a damper beside it that never pulls;
+/// Law between two bodies in terms of LAMMPS' pair style `granular`: along the normal a spring, F = k delta
+/// (`hooke`) or F = K sqrt(r) delta^(3/2) (`hertz`), r = r1 r2 / (r1 + r2), and a parallel damper that never pulls;
 /// across it Cundall and Strack's spring and slider, which holds mu F at most.
 struct GranularContact {
   bool hertz = false;
@@ -31,8 +31,8 @@ struct OwnContact {
   double across_n_m = 0;   ///< k_t
   double lag_s = 0;        ///< c_t / k_t
   double friction = 0;     ///< mu
-  /// How far beyond touching a contact goes: as far as cohesion, where there is any. Two radii together are as much
-  /// more in LAMMPS than the grains' are, for its lists of neighbours know radii, and no reach.
+  /// Reach of a contact beyond touching: that of cohesion, if any. Two radii together are larger by this
+  /// in LAMMPS than the particles' are, because its neighbour lists have radii, and no reach.
   double reach_m = 0;
 
   /// "haptolith 0.014 0.0133 6e-05 3000 ...". @param ratio  share of friction and cohesion that a wall has.
@@ -45,7 +45,7 @@ enum class LammpsLaw { kOfStyles, kOwn };
 /// The contacts of a bed for LAMMPS.
 ///
 /// Where (paper 7) is a line and grains do not cohere, `granular` has the law itself. Other soil has Hertz' law for
-/// what limits friction, compression and cohesion together, as near as a stiffness and a distance at which it begins
+/// the limit of friction, compression and cohesion together, as near as a stiffness and a distance at which it begins
 /// come to that of the contacts that the bed has now; and a table of what is lacking to the force along the normal
 /// (restForce()), which therefore is (paper 7)'s, with the pull across gaps. A table knows distances and not radii, so
 /// grains are then of a few sizes (SizeBins). Walls are springs that do not cohere.
@@ -55,9 +55,9 @@ struct GranularLaw {
   GranularContact grains, wall;        ///< the wall is a grain's mirror image, as in haptolith
   std::optional<OwnContact> own = {};  ///< instead of both
   bool exact = true;
-  double larger_m = 0;       ///< by how much radii are more in LAMMPS than the grains' are
-  double wall_behind_m = 0;  ///< how far behind itself a wall stands there
-  double spread_of_fit = 0;  ///< by what share the limit of friction is off, RMS, each contact weighed by it
+  double larger_m = 0;       ///< excess of radii in LAMMPS over the particles'
+  double wall_behind_m = 0;  ///< offset of a wall there
+  double spread_of_fit = 0;  ///< relative RMS error of the limit of friction, each contact weighted by it
 
   [[nodiscard]] std::string betweenGrains() const;
   /// @param ratio  of a side wall's friction to the soil's.
@@ -68,7 +68,7 @@ struct GranularLaw {
 /// sizes by classes, stones, which turn.
 [[nodiscard]] GranularLaw granularLaw(const Bed& bed, LammpsLaw whose = LammpsLaw::kOfStyles);
 
-/// What the table adds to the granular part, in N, for two grains whose radii add up to 2 R + `more_m`.
+/// Contribution of the table to the granular part, in N, for two particles whose radii add up to 2 R + `more_m`.
 [[nodiscard]] double restForce(const GranularLaw& law, const ContactLaw& contact, double more_m, double distance_m);
 
 /// Between a grain and each sphere of a tool, which are as stiff together as the tool is.

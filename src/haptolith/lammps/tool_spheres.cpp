@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMostSpheres = 1'000'000;
 
-/// Half of how thin the tool is, as far as its numbers tell.
+/// Half of the tool's smallest dimension, as far as its parameters give it.
 double halfThickness(const ToolParameters& tool, double most_m) {
   switch (tool.shape) {
     case ToolShape::kBox:
@@ -61,7 +61,7 @@ class Apart {
     return {along(0), along(1), along(2)};
   }
   static std::uint64_t key(const std::array<std::int64_t, 3>& cell) {
-    constexpr int kBits = 21;  // of each axis: two million cells
+    constexpr int kBits = 21;  // bits per axis: two million cells
     std::uint64_t joined = 0;
     for (const std::int64_t part : cell) {
       joined = joined << kBits | (static_cast<std::uint64_t>(part) & ((1U << kBits) - 1));
@@ -73,7 +73,7 @@ class Apart {
   std::unordered_multimap<std::uint64_t, Vec3> cells_;
 };
 
-/// Moves a point so far into the tool that a sphere around it touches the surface from inside; as far as there is room.
+/// Moves a point into the tool until a sphere around it touches the surface from inside, if there is room.
 Vec3 pulledIn(const ToolParameters& tool, Vec3 point, double radius_m) {
   constexpr int kMostMoves = 8;
   for (int move = 0; move < kMostMoves; ++move) {
@@ -127,7 +127,7 @@ ToolSpheres toolSpheres(const ToolParameters& tool, double opening_m, double mos
 }
 
 SpheresUnderAGrain spheresUnderAGrain(const ToolSpheres& spheres, const ToolParameters& tool, double grain_radius_m) {
-  constexpr double kPressed = 0.05;  // of a grain's radius
+  constexpr double kPressed = 0.05;  // fraction of a particle's radius
   constexpr int kGrains = 200;
   const ToolSurface surface = toolSurface(tool, 0);
   std::vector<double> areas;

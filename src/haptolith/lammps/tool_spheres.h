@@ -21,11 +21,11 @@ struct ToolSpheres {
 /// @throws InvalidParameter for a tool that would need more than a million.
 [[nodiscard]] ToolSpheres toolSpheres(const ToolParameters& tool, double opening_m, double most_radius_m);
 
-/// What spheres are to a grain together that is pressed into the tool's face.
+/// Joint contact of spheres with a particle that is pressed into the tool's face.
 struct SpheresUnderAGrain {
-  double count = 1;      ///< that it touches
-  double depth_m = 0;    ///< how deep it is in all of them, added up
-  double pressed_m = 0;  ///< how deep it is in the face itself
+  double count = 1;      ///< number of touched spheres
+  double depth_m = 0;    ///< sum of its depths in them
+  double pressed_m = 0;  ///< depth in the face itself
 };
 
 /// In the middle of some hundred grains on the tool, pressed in by a twentieth of their radius. Each sphere is to be

@@ -21,8 +21,8 @@ namespace haptolith {
 
 namespace {
 
-/// How many grains settled soil has for each of a close packing, which is made at once: 0.81 for lunar-0-15cm of 3.5
-/// and 2.5 mm, 35 mm deep. Each costs as much.
+/// Number of particles in settled soil over that of a close packing, which needs no settling: 0.81 for lunar-0-15cm
+/// of 3.5 and 2.5 mm, 35 mm deep. Each costs as much.
 constexpr double kSettledShare = 0.81;
 
 /// Particles times steps that no thread of any machine does in a microsecond, tenfold what one of 2023 does: what would
@@ -50,7 +50,7 @@ bool isBeyondAnyMachine(const BedParameters& bed, int substeps) {
   return grains * substeps > kNoThread_per_us * bed.threads * kFinestTick_us;
 }
 
-/// Where the tool is at a time: down at first, then round and round.
+/// Pose of the tool at a time: down at first, then in circles.
 HandState stirring(const Scene& scene, double surface_m, double time_s) {
   const BedParameters& bed = scene.bed().parameters();
   const double reach_m = std::min({kReach_m, bed.width_m / 4, bed.length_m / 4});
@@ -64,7 +64,7 @@ HandState stirring(const Scene& scene, double surface_m, double time_s) {
 }
 
 /// The 99th percentile of ticks in step with the clock, as the loop's: one that has slept finds its data cold, and the
-/// other threads asleep. What disturbs a tick only adds to it, so the first of six turns that stays within the time
+/// other threads asleep. Disturbances only add to a tick, so the first of six turns that stays within the time
 /// counts; another is over as soon as too many of its ticks are.
 double slowTickUs(Scene& scene, const LoopParameters& loop, const std::atomic<bool>& stop) {
   constexpr int kTurns = 6;
@@ -111,7 +111,7 @@ double slowTickUs(Scene& scene, const LoopParameters& loop, const std::atomic<bo
 
 FinestGrain finestOf(std::span<const double> radii_m, const std::function<GrainTrial(double radius_m)>& trial) {
   std::optional<GrainTrial> holds, too_slow;
-  std::size_t first = 0, end = radii_m.size();  // of those that may be the finest to hold
+  std::size_t first = 0, end = radii_m.size();  // range of candidates for the finest
   while (first < end) {
     const std::size_t middle = first + (end - first) / 2;
     const GrainTrial tried = trial(radii_m[middle]);
@@ -186,7 +186,7 @@ FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, co
   }
   const int most_threads = threads.back();
   FinestGrain found = finestOf(possible, [&](double radius_m) { return trial(radius_m, most_threads); });
-  // What disturbs a trial only adds to it: the next finer radius has another one, and when it holds, the one after it.
+  // Disturbances only add to a trial: the next finer radius has another one, and when it holds, the one after it.
   auto next = std::ranges::find(possible, found.chosen.radius_m) + (found.holds() ? 1 : 0);
   for (; next != possible.end(); ++next) {
     const GrainTrial again = trial(*next, most_threads);

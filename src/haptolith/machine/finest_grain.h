@@ -12,21 +12,21 @@
 
 namespace haptolith {
 
-/// What 99 of 100 ticks of a trial may take, in us, of a thousand. The rest is for a browser that shares caches and
-/// cores, and for long stirring: 15 s of it beside compilers took 735 and 846 us (99th percentile) where trials had
-/// said 423 us on quiet cores and 600 us beside the same work (4.4 mm, one thread of two virtual cores, AVX2).
+/// Limit of the 99th percentile of ticks in a trial, in us of a thousand. The rest is for a browser that shares caches
+/// and cores, and for long stirring: 15 s of it next to compilers took 735 and 846 us (99th percentile) where trials
+/// had measured 423 us on quiet cores and 600 us next to the same work (4.4 mm, one thread of two virtual cores, AVX2).
 inline constexpr double kFinestTick_us = 550;
 
-/// What grains of one size would cost.
+/// Measured cost of particles of one size.
 struct GrainTrial {
   double radius_m = 0;
-  std::size_t grains = 0;  ///< about so many
-  int substeps = 0;        ///< of a tick
+  std::size_t grains = 0;  ///< approximate number
+  int substeps = 0;        ///< per tick
   int threads = 1;         ///< that shared a tick
   double tick_us_p99 = 0;  ///< predicted; infinite where no machine could do it
 };
 
-/// What a search among sizes of grain came to.
+/// Result of a search among particle sizes.
 struct FinestGrain {
   GrainTrial chosen;                   ///< the finest within kFinestTick_us, or the coarsest when none is
   std::optional<GrainTrial> too_slow;  ///< the coarsest that was tried and is not

@@ -33,7 +33,7 @@ constexpr int kMeasurement = 1;
 /// (docs/reports/performance.md).
 constexpr int kMostThreads = 8;
 
-/// What /proc/cpuinfo calls the processor.
+/// Name of the processor in /proc/cpuinfo.
 std::string processor() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {
@@ -61,7 +61,7 @@ std::vector<int> usableCores() {
 
 /// All that a measurement depends on.
 std::string keyOf(const SceneFile& scene_file, const std::vector<int>& threads) {
-  SceneFile measured;  // what is measured of it
+  SceneFile measured;  // the measured part of it
   measured.bed = scene_file.bed;
   measured.bed.soil = rescaled(scene_file.bed.soil, kGrainRadii_m.front());
   measured.bed.threads = 1;
@@ -105,7 +105,7 @@ std::optional<FinestGrain> readKept(const fs::path& file, std::string_view key) 
   return finestIn(bytes, key);
 }
 
-/// Whole or not at all; the scene opens without it, too.
+/// Writes it completely or not at all; the scene also opens without it.
 void keep(const fs::path& file, const std::string& text) {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);

@@ -20,11 +20,11 @@ inline constexpr std::string_view kAutoScene = "auto";
 /// to 8.
 [[nodiscard]] int loopThreads();
 
-/// How a scene is fitted to the machine.
+/// Options of fitting a scene to the machine.
 struct MachineFitOptions {
-  std::optional<int> threads;       ///< of the loop; none: 1 or loopThreads(), whichever holds finer particles
-  std::filesystem::path folder;     ///< where measurements are kept between runs; empty: nowhere
-  bool measure_again = false;       ///< whatever is kept there
+  std::optional<int> threads;    ///< threads of the loop; empty: 1 or loopThreads(), whichever renders finer particles
+  std::filesystem::path folder;  ///< folder that keeps measurements between runs; empty: none
+  bool measure_again = false;    ///< ignores measurements kept there
   std::function<void()> measuring;  ///< called before the machine is measured, which takes one to two seconds
 };
 
@@ -40,8 +40,8 @@ struct MachineFitOptions {
 /// @throws InvalidParameter unless canBeFitted(); Failure when no size fits the bed or `stop` becomes true.
 FinestGrain fitToMachine(SceneFile& scene_file, const MachineFitOptions& options, const std::atomic<bool>& stop);
 
-/// What was chosen, in a line: "4.4 mm particles on 1 thread: the finest soil this machine renders in time (1170
-/// particles; 4 mm would need 0.71 ms a tick)". @param particles  of the bed that was made.
+/// The choice as one line: "4.4 mm particles on 1 thread: the finest soil this machine renders in time (1170
+/// particles; 4 mm would need 0.71 ms a tick)". @param particles  number in the bed that was made.
 [[nodiscard]] std::string text(const FinestGrain& finest, std::size_t particles);
 
 /// A measurement as a file keeps it, and back: none when the text is damaged or of another key.

@@ -12,8 +12,8 @@ namespace haptolith {
 
 /// The finest soil of a scene that this machine computes in time.
 struct FinestSoil {
-  double radius_m = 0;        ///< of its particles
-  std::size_t particles = 0;  ///< about so many
+  double radius_m = 0;        ///< radius of its particles
+  std::size_t particles = 0;  ///< approximate number
   int threads = 1;            ///< that share a tick's work
   double tick_us_p99 = 0;     ///< predicted
   bool in_time = true;        ///< false: even the coarsest soil takes longer than a tick may
@@ -24,8 +24,8 @@ struct SummaryLine {
   std::string name, text;
 };
 
-/// What this machine can do, in five lines: finest soil, cores, priority, late wake-ups, what to change.
-/// @param checks  of realTimeChecks().
+/// Capabilities of this machine, in five lines: finest soil, cores, priority, late wake-ups, what to change.
+/// @param checks  from realTimeChecks().
 /// @param soil    none: it has not been measured.
 [[nodiscard]] std::vector<SummaryLine> machineSummary(const std::vector<Check>& checks, const WakeUps& measured,
                                                       const std::optional<FinestSoil>& soil);

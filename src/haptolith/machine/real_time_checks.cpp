@@ -34,7 +34,7 @@ constexpr double kLongIdleExit_us = 100;
 constexpr const char* kContainerRemedy =
     "start the container with --cap-add SYS_NICE --ulimit rtprio=80 --ulimit memlock=-1 (docker, podman)";
 
-/// What the kernel tells in small files.
+/// The kernel's small files.
 class MachineFiles {
  public:
   explicit MachineFiles(fs::path root) : root_(std::move(root)) {}
@@ -66,7 +66,7 @@ class MachineFiles {
     return fs::exists(root_ / name, unreadable);
   }
 
-  /// What stands behind "name:" or "name  " in a file of such lines.
+  /// Value after "name:" or "name  " in a file of such lines.
   [[nodiscard]] std::string field(const fs::path& name, std::string_view label) const {
     const std::string lines = fmt::format("\n{}\n", text(name).value_or(""));
     const std::size_t at = lines.find(fmt::format("\n{}", label));
@@ -111,7 +111,7 @@ std::vector<int> cpuListOf(const MachineFiles& files, const fs::path& name) {
   return cpuList(files.text(name).value_or(""));
 }
 
-/// The soft limit in a line of /proc/self/limits; nothing when it is not told.
+/// The soft limit in a line of /proc/self/limits; empty when it is not reported.
 std::optional<std::uint64_t> limitOf(const MachineFiles& files, std::string_view label) {
   const std::string line = files.field("proc/self/limits", label);
   if (line.starts_with("unlimited")) {
@@ -169,7 +169,7 @@ std::string_view remedyIn(const std::string& container, std::string_view at_home
   return container.empty() ? at_home : kContainerRemedy;
 }
 
-/// What concerns the kernel cannot be mended from inside a container.
+/// Remedies that concern the kernel do not work inside a container.
 std::string onHost(const std::string& container, std::string_view remedy) {
   return fmt::format("{}{}", container.empty() ? "" : "on the container's host: ", remedy);
 }
@@ -211,7 +211,7 @@ Check schedulerCheck(const MachineFiles& files, const RealTime& granted, const s
                                    limitText(files, limit, kOne, kSysNice)),
               .needed = fmt::format("SCHED_FIFO at priority {}", kRealTimePriority)};
   if (!has) {
-    // With the limit at 80 only the control group can be in the way: it has no real-time share of its own.
+    // With the limit at 80 only the control group can be in the way: it has no real-time budget.
     check.remedy = limit && *limit >= kRealTimePriority && container.empty()
                        ? "echo 950000 | sudo tee /sys/fs/cgroup/cpu$(sed -n 's/.*cpu[^:]*://p' "
                          "/proc/self/cgroup)/cpu.rt_runtime_us"

@@ -16,9 +16,9 @@ inline constexpr double kLatestWakeUp_us = 1000 * kWakeUpShare;
 inline constexpr const char* kCpuCheck = "CPUs";
 inline constexpr const char* kWakeUpCheck = "wake-up";
 
-/// Whether this machine can run the loop in real time: kernel, rights, CPUs and how punctual it was. What cannot be
-/// read is said so and taken for neither good nor bad, unless the measurement tells. Not for the tick.
-/// @param measured  by measureWakeUps(): what a thread was granted and how late it woke.
+/// Whether this machine can run the loop in real time: kernel, rights, CPUs and wake-up latency. Unreadable
+/// properties are reported as such and count as neither good nor bad, unless the measurement decides. Not for the tick.
+/// @param measured  from measureWakeUps(): a thread's privileges and wake-up latency.
 /// @param root  where proc/, sys/ and dev/ are; another folder in tests.
 [[nodiscard]] std::vector<Check> realTimeChecks(const WakeUps& measured, const std::filesystem::path& root = "/");
 

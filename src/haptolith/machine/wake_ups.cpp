@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-/// What the measuring thread lets others see while it works.
+/// Progress of the measuring thread, readable while it works.
 struct Seen {
   std::atomic<double> elapsed_s{0}, latest_us{0};
   std::atomic<bool> done{false};

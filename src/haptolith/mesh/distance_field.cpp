@@ -12,7 +12,7 @@ DistanceField::Sample DistanceField::at(const Vec3& point_m) const noexcept {
   std::array<double, 3> part;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double along = g[static_cast<Eigen::Index>(axis)];
-    if (!(along >= 0 && along < blocks_[axis] * kCells)) {  // NaN, too
+    if (!(along >= 0 && along < blocks_[axis] * kCells)) {  // also catches NaN
       return {band_m_, Vec3::UnitZ()};
     }
     cell[axis] = static_cast<int>(along);

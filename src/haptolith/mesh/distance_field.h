@@ -16,13 +16,14 @@ inline constexpr Range kFieldSpacing_m{5e-5, 1e-2};
 inline constexpr Range kFieldBand_m{1e-3, 3e-2};
 
 struct DistanceFieldOptions {
-  double spacing_m = 0.4e-3;  ///< of the grid's points, kFieldSpacing_m; more when it would not fit `most_bytes`
-  double band_m = 5e-3;       ///< how far from the surface distances are known, kFieldBand_m
-  int threads = 2;            ///< at least 1; any number gives the same field
+  double spacing_m =
+      0.4e-3;            ///< spacing of the grid's points, kFieldSpacing_m; more when it would not fit `most_bytes`
+  double band_m = 5e-3;  ///< distance from the surface covered by the field, kFieldBand_m
+  int threads = 2;       ///< at least 1; any number gives the same field
   std::size_t most_bytes = std::size_t{96} << 20;
 };
 
-/// How far points are from the surface of a mesh, in the mesh's frame. At the points of a grid the distance is that to
+/// Distance of points from the surface of a mesh, in the mesh frame. At the points of a grid the distance is that to
 /// the nearest triangle, as a float; between them it is trilinear. Only blocks of the grid near the surface are kept.
 class DistanceField {
  public:
@@ -44,7 +45,7 @@ class DistanceField {
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// XXH3 over all values, where they are, and the band. Not for the tick.
   [[nodiscard]] std::uint64_t hash() const;
-  /// What had to be done otherwise than wanted, a sentence each.
+  /// Deviations from the request, a sentence each.
   [[nodiscard]] const std::vector<std::string>& report() const noexcept { return report_; }
 
  private:
@@ -76,8 +77,8 @@ class DistanceField {
 ///     closed:  |d| to the nearest triangle of the outer surface, d < 0 where closed parts go round the point
 ///     sheet:   d = (distance to the nearest triangle) - thickness / 2
 ///
-/// Of parts that pass through each other it is exact to the union but within a quarter of the spacing of the edges
-/// where they meet. Takes seconds for 500 000 triangles. Not for the tick.
+/// For intersecting parts it is exact to the union, except within a quarter of the spacing of the edges
+/// of intersection. Takes seconds for 500 000 triangles. Not for the tick.
 /// @throws InvalidParameter for options outside their ranges, and when the thinnest walls (thinnestWall()) are less
 /// than two spacings thick; Failure when stopAsked().
 [[nodiscard]] DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOptions& options = {});

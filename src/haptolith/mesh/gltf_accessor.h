@@ -36,8 +36,8 @@ struct Elements {
   std::size_t stride_bytes = 0;
   std::size_t count = 0;
   std::uint64_t component = kFloat;
-  bool normalised = false;     ///< whole numbers stand for -1 to 1, or 0 to 1
-  std::vector<char> own = {};  ///< where `first` is, of a sparse accessor
+  bool normalised = false;     ///< integers represent -1 to 1, or 0 to 1
+  std::vector<char> own = {};  ///< storage of `first` for a sparse accessor
 
   /// A number as glTF 2.0, 3.11 and KHR_mesh_quantization have it.
   [[nodiscard]] double number(std::size_t element, std::size_t place) const;
@@ -47,7 +47,7 @@ void requireIndices(const Elements& indices, const JsonValue& place);
 /// Index of the element's point in the primitive.
 [[nodiscard]] std::uint32_t indexAt(const Elements& indices, std::size_t i);
 
-/// The buffers of a file, and what lies in them.
+/// The buffers of a file, and their content.
 class Buffers {
  public:
   /// @param binary  the binary part of a .glb

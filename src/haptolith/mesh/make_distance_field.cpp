@@ -21,7 +21,7 @@ namespace {
 /// Work that no real tool needs: triangles that pass layers of the grid, and rows of a layer.
 constexpr std::size_t kMostLayerTriangles = 200'000'000;
 constexpr std::size_t kMostLayerHits = 20'000'000;
-/// A spacing that does not fit is made wider by this factor, so often until it fits.
+/// A spacing that does not fit is multiplied by this factor until it fits.
 constexpr double kWider = 1.189207115002721;  // 2^(1/4)
 constexpr int kMostWider = 32;
 /// Walls must be this many spacings thick: then at least one point of every line across lies inside.
@@ -168,7 +168,7 @@ class FieldMaker {
     return static_cast<float>(std::sqrt(squared_m2) - half_m_);
   }
 
-  /// Distance without a sign of a grid point. @param hint  the nearest triangle of a point beside it, then of this.
+  /// Distance without a sign of a grid point. @param hint  the nearest triangle of an adjacent point, then of this.
   [[nodiscard]] float measure(int x, int y, int z, std::int32_t& hint) const {
     const TriangleTree::Nearest nearest = surface_.nearest(pointAt(Vec3(x, y, z)), farthest(), hint);
     hint = nearest.place;
@@ -215,7 +215,7 @@ class FieldMaker {
     std::int32_t hint = -1;
     for (int z = 0; z < kCells; ++z) {
       for (int row = 0; row < kCells; ++row) {
-        const int y = z % 2 == 0 ? row : kCells - 1 - row;  // to and fro: the next point is beside the last
+        const int y = z % 2 == 0 ? row : kCells - 1 - row;  // back and forth: consecutive points are adjacent
         for (int column = 0; column < kCells; ++column) {
           const int x = row % 2 == 0 ? column : kCells - 1 - column;
           values[valuePlace(x, y, z)] = measure(x0 + x, y0 + y, z0 + z, hint);
@@ -260,7 +260,7 @@ class FieldMaker {
     for (std::size_t i = 0; i < passes.size(); ++i) {
       const auto [a, b, c] = cornersOf(mesh, mesh.triangles[i]);
       const auto layer_of = [&](double z) { return (z - field_.low_m_.z()) / field_.spacing_m_; };
-      // One too many on each side is told by the edges.
+      // The edges exclude a surplus one on each side.
       passes[i] = {std::max(0, static_cast<std::int32_t>(layer_of(std::min({a.z(), b.z(), c.z()})))),
                    std::min(static_cast<std::int32_t>(layers) - 1,
                             static_cast<std::int32_t>(layer_of(std::max({a.z(), b.z(), c.z()}))) + 1)};
@@ -304,7 +304,7 @@ class FieldMaker {
     std::vector<RowHit> hits;
     for (const std::int32_t triangle : triangles) {
       const auto corners = cornersOf(mended_.mesh, mended_.mesh.triangles[static_cast<std::size_t>(triangle)]);
-      // Where the triangle's rim passes the layer upwards, and downwards.
+      // Crossings of the triangle's rim with the layer, upwards and downwards.
       std::array<double, 2> up{};
       std::array<double, 2> down{};
       bool cut = false;
@@ -383,7 +383,7 @@ class FieldMaker {
             }
           } else if (row == by * kCells && layer == bz * kCells && inside[first] != 0) {
             is_inside_[static_cast<std::size_t>(tablePlace(bx, by, bz))] =
-                1;  // no surface is near: one corner tells of all
+                1;  // no surface is near: one corner decides for all
           }
         }
       }
@@ -393,7 +393,7 @@ class FieldMaker {
   const MendedMesh& mended_;
   const TriangleTree& surface_;
   DistanceFieldOptions options_;
-  double half_m_;  // of a sheet's thickness
+  double half_m_;  // half a sheet's thickness
   std::size_t most_blocks_ = 0;
   std::vector<std::int32_t> blocks_;     // places in the table, ascending
   std::vector<std::uint8_t> is_inside_;  // of blocks that are not kept

@@ -114,7 +114,7 @@ std::size_t stitch(TriangleMesh& mesh, double reach_m) {
   return gone;
 }
 
-/// What dropCopies() found.
+/// Result of dropCopies().
 struct Copies {
   std::size_t copies = 0;
   std::size_t inner_walls = 0;
@@ -289,7 +289,7 @@ class HoleCloser {
     }
   }
 
-  /// The next edge from a point that was not used yet; the number of edges when there is none.
+  /// The next edge from a point that was not used yet; the number of edges when no such edge exists.
   std::size_t takeEdgeFrom(std::int32_t point) {
     const auto first =
         static_cast<std::size_t>(std::ranges::lower_bound(rim_, point, {}, &RimEdge::from) - rim_.begin());
@@ -354,7 +354,7 @@ class HoleCloser {
   bool only_look_;
   std::vector<RimEdge> rim_;
   std::vector<bool> used_;
-  std::vector<std::size_t> cursor_;  // of the first edge of each point: the next that may be free
+  std::vector<std::size_t> cursor_;  // index of each point's next edge that may be free
   Holes holes_;
 };
 

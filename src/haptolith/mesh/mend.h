@@ -26,11 +26,11 @@ struct MendOptions {
 
 /// A mesh that can be a tool: closed, so that every point is inside or outside of it, or a sheet.
 struct MendedMesh {
-  TriangleMesh mesh;                 ///< of a closed one: each edge is passed as often in one direction as in the other
+  TriangleMesh mesh;                 ///< if closed, each edge is passed as often in one direction as in the other
   std::vector<std::int32_t> shells;  ///< which closed part each triangle belongs to, from 0
   int shell_count = 0;
-  double sheet_thickness_m = 0;     ///< of a surface that stays open; 0: a closed solid
-  std::vector<std::string> report;  ///< what was done to it, a sentence each
+  double sheet_thickness_m = 0;     ///< thickness of a surface that stays open; 0: a closed solid
+  std::vector<std::string> report;  ///< repairs, a sentence each
 };
 
 /// Makes a tool of triangles as files hold them. In this order:
@@ -45,7 +45,7 @@ struct MendedMesh {
 /// 6. closed parts are turned to look outwards, so that together they are their union. A part inside another is a
 ///    cavity where, in the file, all of it looked the other way than all of the part around it.
 ///
-/// What is closed then is a solid: inside where surfaces go round a point once or more. What stays open is a sheet of
+/// Closed parts are solids: inside where the winding number is one or more. Open parts are sheets of
 /// `sheet_thickness_m`, when that is above 0. Not for the tick.
 /// @throws InvalidParameter for a surface that stays open without a thickness, or has but one side, or more than
 /// kMostShells parts, or nothing left; for a thickness outside kSheetThickness_m; Failure when stopAsked().

@@ -7,11 +7,11 @@
 
 #include "haptolith/mesh/triangle_mesh.h"
 
-// What mesh_file.cpp is made of: one function for each format, points in the file's own unit.
+// Parts of mesh_file.cpp: one function for each format, points in the file's own unit.
 
 namespace haptolith {
 
-/// A reader of words in a text that somebody has made, which knows where it is.
+/// Reads words of a user's text and keeps its position.
 class MeshText {
  public:
   /// @throws InvalidParameter for text in UTF-16. A byte order mark of UTF-8 is no part of the text.

@@ -13,7 +13,7 @@ namespace haptolith {
 
 namespace {
 
-/// How far from the surface we look whether it is inside, in m: less than any part that can be felt, and more than
+/// Distance from the surface for the inside test, in m: less than any part that can be felt, and more than
 /// coordinates are rounded.
 constexpr double kBeside_m = 1e-6;
 /// Pieces of one triangle: a bound for the work.
@@ -69,7 +69,7 @@ class OuterSurface {
   }
 
  private:
-  /// Of one triangle.
+  /// Cutting of one triangle.
   struct Cutting {
     std::int32_t shell;
     Vec3 beside_m;  ///< from its surface to outside
@@ -141,7 +141,7 @@ TriangleMesh outerSurface(const MendedMesh& solid, const TriangleTree& tree, dou
 
 double thinnestWall(const MendedMesh& solid, const TriangleTree& tree, int threads) {
   constexpr std::size_t kRays = 20'000;
-  constexpr double kCounts = 0.01;         // of the surface
+  constexpr double kCounts = 0.01;         // fraction of the surface
   constexpr double kParallel = 0.9848078;  // cos 10 degrees
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const TriangleMesh& mesh = solid.mesh;

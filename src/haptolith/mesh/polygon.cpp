@@ -36,7 +36,7 @@ std::vector<Point> seenAlongNormal(std::span<const Vec3> corners) {
   return points;
 }
 
-/// What is left of a polygon while ears are cut off.
+/// The rest of a polygon while ears are cut off.
 class EarClipper {
  public:
   explicit EarClipper(std::vector<Point> points) : points_(std::move(points)), left_(points_.size()) {
@@ -60,7 +60,7 @@ class EarClipper {
     std::size_t at = 0;
     std::size_t tried = 0;
     while (left_.size() > 3) {
-      // A corner that is none adds nothing; where a polygon crosses itself there may be no ear at all.
+      // A straight corner adds nothing; where a polygon crosses itself there may be no ear at all.
       const bool is_ear = tried < left_.size()       ? bendAt(at) == Bend::kCorner && isEmpty(at, comparisons)
                           : tried < 2 * left_.size() ? bendAt(at) == Bend::kStraight
                                                      : true;
@@ -90,7 +90,7 @@ class EarClipper {
   [[nodiscard]] std::size_t before(std::size_t at) const { return (at + left_.size() - 1) % left_.size(); }
   [[nodiscard]] std::size_t after(std::size_t at) const { return (at + 1) % left_.size(); }
 
-  /// How the outline turns at the corner in this place. What rounding of a file's numbers bends is straight.
+  /// Bend of the outline at a corner. A bend within the rounding of a file's numbers is straight.
   [[nodiscard]] Bend bendAt(std::size_t at) const {
     constexpr double kStraight_rad = 1e-6;
     const Point& a = points_[left_[before(at)]];
@@ -103,7 +103,7 @@ class EarClipper {
     return turn > 0 ? Bend::kCorner : Bend::kDent;
   }
 
-  /// Only corners that are none can lie in an ear.
+  /// Only reflex corners can be inside an ear.
   void noteBlockers() {
     blockers_.clear();
     for (std::size_t at = 0; at < left_.size(); ++at) {
@@ -113,7 +113,7 @@ class EarClipper {
     }
   }
 
-  /// Whether no other corner lies in the triangle at this one, or on its edges.
+  /// Whether no other corner is inside the triangle at this one, or on its edges.
   [[nodiscard]] bool isEmpty(std::size_t at, std::int64_t& comparisons) const {
     const std::array<std::size_t, 3> own{left_[before(at)], left_[at], left_[after(at)]};
     const Point& a = points_[own[0]];

@@ -15,7 +15,7 @@ std::size_t at(std::int32_t index) {
   return static_cast<std::size_t>(index);
 }
 
-/// Of all points, the mean of the triangles around them, by area.
+/// Normals of all points: the area-weighted mean of the triangles around them.
 std::vector<Vec3> normals(const TriangleMesh& mesh) {
   std::vector<Vec3> sums(mesh.points_m.size(), Vec3::Zero());
   for (const Triangle& t : mesh.triangles) {

@@ -44,7 +44,7 @@ bool isBinaryOfItsCount(std::string_view bytes) {
   return bytes.size() >= kHeaderBytes + kCountBytes && bytes.size() == sizeOf(bytes);
 }
 
-/// Many binary files begin with "solid", too: the size tells, and text has no zero bytes.
+/// Many binary files also begin with "solid": the size decides, and text has no zero bytes.
 bool isText(std::string_view bytes) {
   constexpr std::size_t kEnough = 4096;
   const std::string_view start = withoutByteOrderMark(bytes).substr(0, kEnough);
@@ -115,7 +115,7 @@ TriangleMesh parseText(std::string_view bytes, const std::string& name) {
   for (std::string_view word = text.word(); !word.empty(); word = text.word()) {
     if (is(word, in_solid ? "endsolid" : "solid")) {
       in_solid = !in_solid;
-      if (!text.nextLine()) {  // what follows is a name: any text
+      if (!text.nextLine()) {  // the rest is a name: any text
         break;
       }
       continue;
@@ -126,7 +126,7 @@ TriangleMesh parseText(std::string_view bytes, const std::string& name) {
     requireRoom(mesh, 3, 1, text.place("facet"));
     expect("normal");
     for (int axis = 0; axis < 3; ++axis) {
-      (void)text.word();  // the corners tell it better, and some programs write NaN
+      (void)text.word();  // the corners give it more accurately, and some programs write NaN
     }
     expect("outer");
     expect("loop");

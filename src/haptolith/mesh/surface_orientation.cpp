@@ -77,7 +77,7 @@ Patches turnNeighbours(TriangleMesh& mesh) {
 Shells shellsOf(const TriangleMesh& mesh, const Patches& patches) {
   const std::size_t n = patches.as_in_file.size();
   std::vector<Edge> edges = edgesOf(mesh);
-  // A patch that is closed by itself passes each of its edges as often forward as backward.
+  // A patch that is closed alone passes each of its edges as often forward as backward.
   std::vector<bool> closed_alone(n, true);
   Shells shells;
   std::vector<std::pair<std::int32_t, int>> sums;
@@ -138,7 +138,7 @@ Turned turnOutwards(TriangleMesh& mesh, const Shells& shells) {
     double volume_m3 = 0;  ///< negative when it looks inwards
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
     Vec3 high = -low;
-    std::vector<std::int32_t> some;  ///< triangles to tell where it lies
+    std::vector<std::int32_t> some;  ///< sample triangles that locate it
     std::int32_t around = -1;        ///< the smallest shell that holds it
     int side = 0;                    ///< +1 looks outwards in the end, -1 is a cavity; 0: not yet known
   };

@@ -28,7 +28,7 @@ struct Shells {
 
 [[nodiscard]] Shells shellsOf(const TriangleMesh& mesh, const Patches& patches);
 
-/// What turnOutwards() did.
+/// Result of turnOutwards().
 struct Turned {
   std::size_t parts = 0;
   std::size_t cavities = 0;

@@ -22,7 +22,7 @@ struct MeshCorners {
   [[nodiscard]] double largestEdge() const { return (high_m - low_m).maxCoeff(); }
 };
 
-/// Of all points; zero without any. Not for the tick.
+/// Corners of the box around all points; zero without any. Not for the tick.
 [[nodiscard]] inline MeshCorners cornersOf(const TriangleMesh& mesh) {
   MeshCorners corners;
   if (!mesh.points_m.empty()) {

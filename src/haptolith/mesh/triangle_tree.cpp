@@ -57,7 +57,7 @@ double squaredDistance(const Vec3& point_m, const std::array<Vec3, 3>& triangle_
   }
   const Vec3 normal = ab.cross(ac);
   const double area2 = normal.squaredNorm();
-  // A sliver's face cannot be told from its edges.
+  // A sliver's face is indistinguishable from its edges.
   if (area2 <= 1e-24 * ab.squaredNorm() * ac.squaredNorm()) {
     return std::min({squaredDistanceToLine(point_m, a, b), squaredDistanceToLine(point_m, a, c),
                      squaredDistanceToLine(point_m, b, c)});
@@ -71,8 +71,8 @@ struct TriangleTree::Item {
   std::int32_t triangle;
 };
 
-/// How n triangles are shared out among a node's branches: by number, so that it is known where each branch's nodes
-/// begin, and they can be made at the same time.
+/// Distribution of n triangles among a node's branches: by number, so that the offset of each branch's nodes
+/// is known, and they can be made in parallel.
 std::array<std::size_t, TriangleTree::kBranches> TriangleTree::shares(std::size_t n) noexcept {
   const std::size_t half = n / 2;
   return {half / 2, half - half / 2, (n - half) / 2, n - half - (n - half) / 2};
@@ -268,7 +268,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& point_m, double most_m, 
   }
   const Vec3 from_middle_m = point_m - middle_m_;
   const Eigen::Vector3f p = from_middle_m.cast<float>();
-  // Floats tell which branches are too far; the distances themselves are doubles. With coordinates up to s the square
+  // Floats decide which branches are too far; the distances themselves are doubles. With coordinates up to s the square
   // of a bound L is wrong by 1e-6 s (L + size of the disc), from the rounding of points, normals and products.
   const auto rounding_m = static_cast<float>(2e-6 * (from_middle_m.norm() + half_diagonal_m_));
   struct Waiting {
@@ -327,7 +327,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& point_m, double most_m, 
 
 namespace {
 
-/// Where the projection of an edge meets the line v = p.v, and whether it does: v of one end above p.v, of the other
+/// Intersection of an edge's projection with the line v = p.v, if any: v of one end above p.v, of the other
 /// not. The ends are taken in one order, so that both triangles of the edge find the same.
 struct Side {
   bool meets = false;
@@ -396,7 +396,7 @@ int TriangleTree::winding(const Vec3& point_m, int axis) const {
 
 void TriangleTree::hits(const Vec3& from_m, const Vec3& unit_direction, std::vector<Hit>& found) const {
   found.clear();
-  const Vec3 inverse = unit_direction.cwiseInverse();  // infinite ones compare as they should, but for 0 * infinity
+  const Vec3 inverse = unit_direction.cwiseInverse();  // infinite ones compare correctly, except 0 * infinity
   const Vec3 from_middle_m = from_m - middle_m_;
   const auto enters = [&](const Node& node, int i) {
     double near = 0;

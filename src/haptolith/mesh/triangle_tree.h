@@ -13,7 +13,7 @@ namespace haptolith {
 /// Square of the distance from a point to a triangle, in m^2; also of one that is a line or a point.
 [[nodiscard]] double squaredDistance(const Vec3& point_m, const std::array<Vec3, 3>& triangle_m) noexcept;
 
-/// What lies where on a mesh: a tree of boxes, made once. Not for the tick.
+/// Spatial index of a mesh: a tree of boxes, made once. Not for the tick.
 class TriangleTree {
  public:
   /// @param threads  at least 1; any number makes the same tree.
@@ -21,7 +21,7 @@ class TriangleTree {
 
   struct Nearest {
     double squared_m2 = std::numeric_limits<double>::infinity();
-    std::int32_t place = -1;  ///< of the triangle in the tree, for `hint`; -1 when none is near enough
+    std::int32_t place = -1;  ///< index of the triangle in the tree, for `hint`; -1 when none is near enough
   };
   /// The nearest triangle to a point, where one is nearer than `most_m`.
   /// @param hint  place of a triangle that is probably near; -1 for none.
@@ -44,15 +44,15 @@ class TriangleTree {
   struct Crossing {
     double at_m = 0;            ///< coordinate along the axis
     int step = 0;               ///< +1 where a line in the axis' direction goes in, -1 where it goes out
-    std::int32_t triangle = 0;  ///< of the mesh
+    std::int32_t triangle = 0;  ///< index in the mesh
   };
   /// All crossings of the line through `point_m` along axis 0, 1 or 2 that lie beyond the point (`forward`) or before
   /// it, in no order. A line through an edge or a corner of a closed surface passes each sheet of it once: both
   /// triangles of an edge compute the same side, and a tie goes to one of them.
   void crossings(const Vec3& point_m, int axis, bool forward, std::vector<Crossing>& found) const;
 
-  /// How often a closed surface goes round a point: > 0 inside.
-  /// @param axis  along which to look; one that meets the surfaces near the point at no small angle tells surest.
+  /// Winding number of a closed surface about a point: > 0 inside.
+  /// @param axis  of the ray; one that crosses the surfaces near the point at large angles is the most reliable.
   [[nodiscard]] int winding(const Vec3& point_m, int axis) const;
 
   /// A triangle of the mesh that a ray meets, and how far away.

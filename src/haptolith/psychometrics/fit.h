@@ -24,7 +24,8 @@ struct GridSizes {
 /// Which value stands for the posterior.
 enum class PointEstimate {
   kMap,    ///< the most probable one, as psignifit
-  kMedian  ///< of each parameter its median: nearly unbiased where w alone is free, docs/reference/psychometrics.md
+  kMedian  ///< of each parameter its median: nearly unbiased where w alone is free,
+           ///< docs/reports/psychometric-coverage.md
 };
 
 /// What is fitted and how. Parameters that are given a value are fixed.

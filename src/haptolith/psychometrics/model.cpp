@@ -23,7 +23,7 @@ constexpr double kMostAsymptote = 0.5;
 constexpr double kMostOverdispersion = 1 - 1e-9;
 constexpr double kBeta = 10;  // of the Beta(1, 10) priors
 constexpr double kWeberBeta =
-    60;  // of the rates of weber sigmoids, chosen by simulation: docs/reference/psychometrics.md
+    60;  // of the rates of weber sigmoids, chosen by simulation: docs/reports/psychometric-coverage.md
 
 /// Falls from 1 to 0 as a cosine while `share` goes from 0 to 1.
 double cosineFall(double share) noexcept {

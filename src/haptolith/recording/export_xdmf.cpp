@@ -22,7 +22,7 @@ using namespace hdf5;
 
 constexpr const char* kDataFile = "pictures.h5";
 
-/// How values of a type lie in the file and in memory, and what XDMF calls them.
+/// Layout of a value type in the file and in memory, and its name in XDMF.
 struct ValueType {
   hid_t in_file, in_memory;
   const char* xdmf;
@@ -229,7 +229,7 @@ class XdmfFolder {
                         geometry(data_.write(fmt::format("/stones/{:06}/points_m", times_s_.size()), stones.point_m)));
   }
 
-  /// Of so many particles: written once for all pictures that have as many.
+  /// Numbering of the particles: written once for all pictures with that number.
   struct Numbering {
     std::string id, vertices;
   };

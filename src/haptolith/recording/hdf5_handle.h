@@ -40,7 +40,7 @@ void prepareThread() noexcept;
 /// The identifier that a call gave. @throws Failure "cannot WHAT: reason()" when it gave none.
 [[nodiscard]] Handle handle(hid_t id, const char* what);
 
-/// What a call gave. @throws Failure as handle() when that is negative.
+/// Returns a call's result. @throws Failure as handle() when that is negative.
 template <class Status>
 Status done(Status status, const char* what);
 

@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-// What the exports for VTK and XDMF have in common: meshes, and the names of what is known of them.
+// Common part of the exports for VTK and XDMF: meshes, and the names of their fields.
 
 /// Points and cells of as many of these each, in m, scene's frame.
 struct PictureMesh {
@@ -29,7 +29,7 @@ struct NamedNumbers {
 /// The tool's surface as triangles.
 [[nodiscard]] PictureMesh toolMesh(const ToolParameters& tool, const PicturedTool& at);
 
-/// What all stones look like, as triangles.
+/// Shapes of all stones, as triangles.
 [[nodiscard]] PictureMesh stonesMesh(const std::vector<PicturedStone>& stones);
 
 /// The edges of the bed's box, whose walls end nowhere: as high as the soil of the pictures that it was shown.

@@ -68,7 +68,7 @@ void addContacts(ScenePicture& picture, const BedParameters& bed, std::span<cons
   picture.contact_force_n = finite ? contactLoads(bed, position) : std::vector<float>(position.size(), kUnknown);
 }
 
-/// How far open the jaws are that the device holds.
+/// Opening of the jaws in the device's hand.
 double openingOf(const SceneFile& scene_file, const TickRecord& tick) {
   if (scene_file.tool.shape != ToolShape::kJaws) {
     return 0;
@@ -101,7 +101,7 @@ RecordedPictures::RecordedPictures(const RecordingReader& recording, Options opt
 }
 
 void RecordedPictures::prepareReplay() {
-  const bool is_whole = header().start_tick == 0;  // else it cannot be replayed anywhere, as is told below
+  const bool is_whole = header().start_tick == 0;  // otherwise it cannot be replayed anywhere, as reported below
   if (is_whole && header().instruction_set != simdTarget()) {
     why_not_replayed_ = fmt::format("it was recorded with {0}, and this is {1}: HAPTOLITH_SIMD={0} chooses the former",
                                     header().instruction_set, simdTarget());

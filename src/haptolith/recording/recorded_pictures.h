@@ -17,7 +17,7 @@
 
 namespace haptolith {
 
-/// Where the tool is at the end of a tick, and what the soil does to it; scene's frame.
+/// Pose of the tool at the end of a tick, and soil wrench on it; scene frame.
 struct PicturedTool {
   Pose pose;             ///< scene_T_tool
   double opening_m = 0;  ///< between jaws; 0 for another tool
@@ -36,7 +36,7 @@ struct ScenePicture {
   std::uint64_t tick = 0;
   std::vector<std::array<float, 3>> position_m;
   std::vector<std::array<float, 3>> velocity_m_s;  ///< NaN where the recording could not be replayed
-  std::vector<float> radius_m;                     ///< NaN when somebody had changed the scene before
+  std::vector<float> radius_m;                     ///< NaN if the scene had been changed before
   std::vector<float> contact_force_n;              ///< contactLoads(); NaN as radius_m
   std::optional<PicturedTool> tool;                ///< none when its tick is missing or the scene was changed
   std::vector<PicturedStone> stones;               ///< none where the recording could not be replayed
@@ -68,7 +68,8 @@ class RecordedPictures {
   /// @throws Failure when the recording is damaged, "interrupted" when `reached` gives up, and what `take` throws.
   void forEach(const std::function<void(const ScenePicture&)>& take);
 
-  /// After forEach(): how many pictures have velocities, and why the others have none; empty when nobody wanted any.
+  /// After forEach(): number of pictures with velocities, and the reason why others have none; empty if none were
+  /// requested.
   [[nodiscard]] std::size_t replayed() const noexcept { return replayed_; }
   [[nodiscard]] const std::string& whyNotReplayed() const noexcept { return why_not_replayed_; }
 
@@ -89,7 +90,7 @@ class RecordedPictures {
   std::vector<FrameRow> rows_;
   std::optional<SceneFile> scene_file_;
   std::optional<Replay> replay_;
-  std::optional<std::vector<float>> radius_excess_m_;  ///< of each particle over the mean, once it was needed
+  std::optional<std::vector<float>> radius_excess_m_;  ///< excess of each particle's radius over the mean, once needed
   std::size_t next_ = 0, replayed_ = 0;
   std::string why_not_replayed_;
 };

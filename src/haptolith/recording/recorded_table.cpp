@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kLargestChunk = std::size_t{64} << 20;  // bytes; the writer's are below one MiB
 
-/// What is different in a compound; empty when nothing is.
+/// Differences in a compound; empty without any.
 std::string difference(hid_t found, hid_t wanted) {
   if (H5Tget_class(wanted) != H5T_COMPOUND) {
     return "its values are of another type";

@@ -32,10 +32,10 @@ class RawFile {
   bool finished_ = false;
 };
 
-/// A member of a group that lies in this file. @throws Failure when it does not.
+/// Checks that a member of a group is in this file. @throws Failure otherwise.
 void requireMember(const RawFile& raw, const Handle& file, const std::string& path);
 
-/// How a row of a dataset has to look in the file, and in memory.
+/// Required type of a dataset's row in the file, and in memory.
 struct RowType {
   Handle in_file, in_memory;
   std::uint64_t columns = 0;  ///< 0: rows are not arrays

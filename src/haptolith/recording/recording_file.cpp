@@ -29,7 +29,7 @@ constexpr std::uint64_t kFewestTicks = 16, kMostTicks = 4096;  // per chunk
 constexpr std::uint64_t kPositionsPerChunk = 8192, kFramesPerChunk = 64, kEventsPerChunk = 16;
 constexpr std::uint64_t kReportsPerChunk = 64, kSiteRowsPerChunk = 16;
 
-// What HDF5 may keep in memory; the largest chunk has less than the first.
+// Memory limits of HDF5; the largest chunk is smaller than the first.
 constexpr std::size_t kChunkBytes = std::size_t{2} << 20;
 constexpr std::size_t kMetadataBytes = std::size_t{32} << 10;
 
@@ -96,7 +96,7 @@ void boundMemory(const Handle& access) {
 Handle createFile(const fs::path& path) {
   const Handle access = handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
   done(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "choose the format");  // for SWMR
-  done(H5Pset_file_locking(access.id(), true, true), "choose locking");  // where the disk's file system has locks
+  done(H5Pset_file_locking(access.id(), true, true), "choose locking");  // if the file system has locks
   boundMemory(access);
   const Handle creation = handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
   done(H5Pset_attr_phase_change(creation.id(), 64, 0), "choose the format");  // the header stays in one place
@@ -109,7 +109,7 @@ void copyText(std::string_view from, std::array<char, kSize>& to) {
   std::size_t size = std::min(from.size(), kSize);
   if (size < from.size()) {
     while (size > 0 && (static_cast<unsigned char>(from[size]) & 0xC0U) == 0x80U) {
-      --size;  // the byte after the cut goes on with a letter
+      --size;  // the byte after the cut continues a character
     }
   }
   std::copy_n(from.begin(), size, to.begin());
@@ -155,7 +155,7 @@ void Growing::flush() {
 }
 
 void requireFree(const fs::path& path, bool overwrite) {
-  std::error_code ignored;  // what cannot be looked at cannot be made either, and that says why
+  std::error_code ignored;  // an inaccessible path cannot be created either, and that reports why
   const fs::file_status there = fs::status(path, ignored);
   if (fs::exists(there) && !overwrite) {
     throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", path.string()));

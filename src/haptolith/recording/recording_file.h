@@ -41,7 +41,7 @@ class Growing {
 /// @throws Failure when the file is there and may not be overwritten.
 void requireFree(const std::filesystem::path& path, bool overwrite);
 
-/// What is to be written.
+/// Rows to be written.
 struct Batch {
   std::vector<TickRecord> ticks = {};
   std::vector<ParticleFrame> frames = {};
@@ -55,7 +55,7 @@ struct Batch {
 class RecordingFile {
  public:
   /// @throws as RecordingWriter.
-  /// @param robot  whether it has a place for what a robot tells.
+  /// @param robot  whether it has tables for a robot's reports.
   RecordingFile(std::filesystem::path path, const RecordingHeader& header, bool overwrite, bool robot);
   RecordingFile(const RecordingFile&) = delete;
   RecordingFile& operator=(const RecordingFile&) = delete;
@@ -71,8 +71,8 @@ class RecordingFile {
   /// @throws Failure.
   void writeAll() { write(unwritten_ticks_.size()); }
 
-  /// Of the ticks between the first and the last that were to be recorded, so many never came. take() has noticed those
-  /// before others; the rest were the last. Noted as events, and on close() in the header.
+  /// Number of ticks between the first and the last to be recorded that never arrived. take() has noticed those
+  /// before others; the rest were the last. Recorded as events, and on close() in the header.
   void countLost(std::uint64_t lost);
 
   /// Marks the file as complete. @throws Failure.
@@ -80,7 +80,7 @@ class RecordingFile {
   /// After a failure: leaves the file on the disk as it was after the last write that went well.
   void abandon() noexcept;
 
-  // What is safe on the disk.
+  // Amount that is safe on the disk.
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_.flushedRows(); }
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_.flushedRows(); }
   [[nodiscard]] std::uint64_t events() const noexcept { return events_.flushedRows(); }

@@ -14,19 +14,19 @@
 #include "haptolith/haptics/tick_record.h"
 #include "haptolith/soil/soil_parameters.h"
 
-// What a recording holds: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header; where
+// Content of a recording: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header; where
 // a robot followed the tool, /robot/reports and /robot/site.
 
 namespace haptolith {
 
-/// Of any text in the header, in bytes.
+/// Size limit of any text in the header, in bytes.
 inline constexpr std::size_t kLongestHeaderText = std::size_t{1} << 20;
 
-/// What a recording tells about its run: what is needed to run it again, and what a person wants to know years later.
+/// Description of a recorded run: everything needed to run it again, and its circumstances for later readers.
 struct RecordingHeader {
   std::string scene_file;       ///< the scene as TOML, with the mesh of its tool
-  std::string title;            ///< of the scene
-  std::string program_version;  ///< of haptolith
+  std::string title;            ///< title of the scene
+  std::string program_version;  ///< version of haptolith
   std::string instruction_set;  ///< simdTarget(): another one has other last bits
   std::string device;           ///< HapticDevice::name()
   std::string device_limits;    ///< limitsText()
@@ -46,20 +46,20 @@ struct RecordingHeader {
 /// Writes this machine's name and the time of day into a header.
 void stampNow(RecordingHeader& header);
 
-/// Where all particles were at the end of a tick, in the scene's frame.
+/// Positions of all particles at the end of a tick, in the scene frame.
 struct ParticleFrame {
   double time_s = 0;
   std::uint64_t tick = 0;
   std::vector<std::array<float, 3>> position_m;
 };
 
-/// Where a frame lies in /particles/position: a row of /particles/frames.
+/// Place of a frame in /particles/position: a row of /particles/frames.
 struct FrameRow {
   double time_s = 0;
   std::uint64_t tick = 0, first = 0, count = 0;
 };
 
-/// What a picture of the scene says about its particles.
+/// The particles of a snapshot.
 [[nodiscard]] ParticleFrame particleFrame(const SceneSnapshot& snapshot);
 
 /// Something that happened: a change of the scene, a safety trip, a device lost.
@@ -72,7 +72,7 @@ struct RecordingEvent {
   std::string text;
 };
 
-/// What a robot that follows the tool told of a stretch of commands: a row of /robot/reports. In the scene's frame, as
+/// Report of a robot that follows the tool, for a range of commands: a row of /robot/reports. In the scene's frame, as
 /// if the surface of the robot's soil were this one's.
 struct RobotRow {
   double heard_s = 0;          ///< when it was heard, in the time of the run
@@ -80,16 +80,16 @@ struct RobotRow {
   std::uint64_t commands = 0;  ///< ticks up to that one that force and torque are the mean over; 0: it followed none
   Pose scene_T_tool;
   Wrench met;                          ///< soil wrench at the robot, about its tool's origin, scene frame
-  std::uint8_t state = 0, reason = 0;  ///< what it did when it was last heard, and why it stopped
+  std::uint8_t state = 0, reason = 0;  ///< its last reported state, and the reason of a stop
 };
 
-/// What it saw of a part of its site: a row of /robot/site, likewise.
+/// Its view of a part of the site: a row of /robot/site, in the same frame.
 struct SiteRow {
   static constexpr std::size_t kCells = 256;
 
   double heard_s = 0;
-  std::uint64_t command = 0;             ///< number of the tick that it had come to when it looked
-  std::array<double, 2> corner_m{};      ///< of the first cell of the whole map
+  std::uint64_t command = 0;             ///< number of its tick at the time of the view
+  std::array<double, 2> corner_m{};      ///< corner of the first cell of the complete map
   double cell_m = 0;                     ///< width of each
   std::array<std::uint32_t, 2> map{};    ///< columns along x, rows along y of the whole map
   std::array<std::uint32_t, 2> first{};  ///< column and row that the part begins at
@@ -103,7 +103,7 @@ inline constexpr const char* kAdjustmentKind = "soil";
 /// @throws Failure when the event says something else.
 [[nodiscard]] SoilAdjustment adjustmentOf(const RecordingEvent& event);
 
-/// The same of a grain that is to lie elsewhere.
+/// Kind of event for a moved particle.
 inline constexpr const char* kGrainMoveKind = "grain";
 [[nodiscard]] std::string grainMoveText(const GrainMove& move);
 /// @throws Failure when the event says something else.
@@ -115,10 +115,10 @@ struct RecordColumn {
   using Value = std::variant<double, std::uint64_t, std::uint32_t, std::uint8_t>;
 
   std::string name;
-  Value type;          ///< of the member; its value means nothing
-  std::size_t offset;  ///< of the member, in bytes
+  Value type;          ///< type of the member; the value is unused
+  std::size_t offset;  ///< offset of the member, in bytes
 
-  /// What a record has in this column.
+  /// The value of a record in this column.
   template <class Record>
   [[nodiscard]] Value of(const Record& record) const noexcept {
     return at(reinterpret_cast<const std::byte*>(&record) + offset);

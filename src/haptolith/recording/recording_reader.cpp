@@ -93,9 +93,9 @@ RecordingHeader readHeader(const Handle& file) {
 /// A file that was not closed opens only for those who say that they know.
 Handle openFile(const std::filesystem::path& path) {
   const Handle access = handle(H5Pcreate(H5P_FILE_ACCESS), "make a property list");
-  done(H5Pset_file_locking(access.id(), true, true), "choose locking");  // where there are locks
-  // What does not fit its checksum is read again, for the writer may be at it, but not a hundred times with pauses that
-  // double each time, which for a damaged file would never end.
+  done(H5Pset_file_locking(access.id(), true, true), "choose locking");  // if the file system has locks
+  // Data that does not match its checksum is read again, because the writer may be writing it, but not a hundred times
+  // with pauses that double each time, which for a damaged file would never end.
   done(H5Pset_metadata_read_attempts(access.id(), 10), "choose how often to read");
   const hid_t finished = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
   if (finished >= 0) {

@@ -24,13 +24,13 @@ class RecordingReader {
   [[nodiscard]] bool finished() const noexcept;
 
   /// Ticks that were to be recorded and could not be, as its writer has counted them; 0 when that was an older program,
-  /// or one that was killed: then only the ticks tell, whose numbers do not follow one another.
+  /// or one that was killed: gaps then show only in the numbers of the ticks.
   [[nodiscard]] std::uint64_t missingTicks() const noexcept;
 
   [[nodiscard]] std::uint64_t ticks() const noexcept;
   [[nodiscard]] std::uint64_t frames() const noexcept;
   [[nodiscard]] std::uint64_t events() const noexcept;
-  /// Of a robot that followed the tool; 0 where none did.
+  /// Number of reports of a robot that followed the tool; 0 without one.
   [[nodiscard]] std::uint64_t reports() const noexcept;
   [[nodiscard]] std::uint64_t siteRows() const noexcept;
 

@@ -28,7 +28,7 @@ hid_t scalar(Place place) {
   }
 }
 
-/// A member of a compound: where it lies in memory. In the file one follows the other without gaps.
+/// A member of a compound: its offset in memory. In the file members follow each other without gaps.
 struct Member {
   const char* name;
   std::size_t offset;

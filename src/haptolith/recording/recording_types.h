@@ -8,8 +8,8 @@
 #include "haptolith/recording/hdf5_handle.h"
 #include "haptolith/recording/recording_format.h"
 
-// How what a recording holds lies in the HDF5 file, for its writer and its reader. Each type exists twice: as it lies
-// in the file (packed, little-endian), and as it lies in memory.
+// Types of a recording's data in the HDF5 file, for its writer and its reader. Each type exists twice: as in the
+// file (packed, little-endian), and as in memory.
 
 namespace haptolith::hdf5 {
 

@@ -26,7 +26,7 @@ constexpr std::size_t kMostWaiting = std::size_t{64} << 20;  // bytes
 constexpr std::size_t kMostWaitingForFrames = std::size_t{32}
                                               << 20;  // so that ticks, of which none may be missing, fit
 
-// What is added waits for at most the two together, well below the half second that is promised.
+// Added data waits for at most the sum of both, well below the promised half second.
 constexpr auto kLookEvery = 25ms;
 constexpr auto kOldest = 200ms;
 
@@ -169,7 +169,7 @@ class RecordingWriter::Thread {
 
   /// Until the owner has no more. @throws Failure when the disk takes no more.
   void writeAll(hdf5::RecordingFile& file) {
-    Clock::time_point oldest = Clock::now();  // of what is not yet in the file
+    Clock::time_point oldest = Clock::now();  // time of the oldest data not yet in the file
     for (bool last = false; !last;) {
       hdf5::Batch batch;
       std::uint64_t lost = 0;

@@ -12,18 +12,18 @@ namespace haptolith {
 
 struct RecordingOptions {
   bool overwrite = false;  ///< an existing file; it stays as it is until the new one has been made
-  /// What add() does when the disk is so slow that 64 MiB wait to be written: wait, as suits a loop that nobody paces,
+  /// Action of add() when the disk is so slow that 64 MiB wait to be written: wait, as suits an unpaced loop,
   /// or end the recording. Particles are left out before, when 32 MiB wait.
   bool wait_when_full = false;
-  bool robot = false;  ///< a robot follows the tool: there is a place for what it tells
+  bool robot = false;  ///< a robot follows the tool: the file has tables for its reports
 };
 
-/// Writes a recording. All work on the file is done by a thread of its own, so that a slow disk delays nobody; whatever
-/// happens to the disk, nothing is thrown into the owner. What was added is in the file within half a second, and a
+/// Writes a recording. A separate thread does all work on the file, so that a slow disk delays no caller; faults of
+/// the disk never throw into the owner. Added data is in the file within half a second, and a
 /// program that is killed leaves a file that RecordingReader opens. Functions are for one owner, and not for the tick.
 class RecordingWriter {
  public:
-  /// What the constructor would say of a file that is there already, before anything long is begun. @throws Failure.
+  /// Checks for an existing file as the constructor does, before long work begins. @throws Failure.
   static void requireFree(const std::filesystem::path& path, bool overwrite);
 
   /// Makes the file.
@@ -40,18 +40,18 @@ class RecordingWriter {
   void add(std::span<const TickRecord> ticks);
   void add(const ParticleFrame& frame);
   void add(const RecordingEvent& event);
-  /// Where RecordingOptions::robot was said.
+  /// Only with RecordingOptions::robot.
   void add(const RobotRow& report);
   void add(const SiteRow& seen);
 
-  /// Writes what waits and closes the file; problem() then tells whether all is in it.
+  /// Writes the waiting data and closes the file; problem() then reports whether all is in it.
   /// @param lost  ticks that were to be recorded and are known to have been lost on the way here.
   void finish(std::uint64_t lost = 0) noexcept;
 
   /// Why nothing is recorded any more, and how much is in the file; empty when all is well.
   [[nodiscard]] std::string problem() const;
 
-  /// What is safe in the file.
+  /// Amount that is safe in the file.
   struct Written {
     std::uint64_t ticks = 0, frames = 0, events = 0, bytes = 0;
     std::uint64_t missing = 0;  ///< ticks that are not, and should be

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kRowsAtOnce = 1024;  ///< ticks that are read at a time
 
-/// To the last bit, so that NaN equals NaN.
+/// Compares bits, so that NaN equals NaN.
 bool same(double a, double b) noexcept {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || a == b;
 }
@@ -38,7 +38,7 @@ bool same(const Pose& a, const Pose& b) noexcept {
   return same(a.position_m, b.position_m) && same(p.w(), q.w()) && same(Vec3(p.vec()), Vec3(q.vec()));
 }
 
-/// What is missing after the last tick: the end is an event of its own, and the writer has counted.
+/// Number of ticks missing after the last one: the end is a separate event, and the writer has counted.
 std::uint64_t missingAtTheEnd(const RecordingReader& recording, std::uint64_t last) {
   std::uint64_t missing = recording.missingTicks();
   for (const RecordingEvent& event : recording.readEvents(0, recording.events())) {
@@ -97,8 +97,8 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   const DeclaredLimits declared = limitsOf(header.device_limits);
   device_ = std::make_unique<ReplayDevice>(header.device, declared.limits, declared.simulated);
   const double surface_m = scene_file_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
-  // A host's own device is named by no scene, which names the virtual hand then. What leads the virtual hand
-  // from elsewhere is called after it, and shares its frame.
+  // A host's own device is named by no scene, which names the virtual hand then. Other leaders of the virtual hand
+  // are named after it, and share its frame.
   const bool own =
       scene_file_.device.kind == DeviceKind::kVirtualHand && !header.device.starts_with(VirtualHand::kName);
   const HandlingParameters handling =

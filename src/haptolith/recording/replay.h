@@ -14,7 +14,7 @@
 
 namespace haptolith {
 
-/// Where a replay first differs from its recording.
+/// First difference of a replay from its recording.
 struct ReplayDifference {
   std::uint64_t tick = 0;
   double time_s = 0;
@@ -23,10 +23,10 @@ struct ReplayDifference {
   std::string what;
 };
 
-/// Where ticks are missing in a recording: what comes after them cannot be replayed.
+/// Missing ticks in a recording: later ticks cannot be replayed.
 struct ReplayGap {
-  std::uint64_t ticks = 0;  ///< that are missing
-  double time_s = 0;        ///< of the last before them
+  std::uint64_t ticks = 0;  ///< number of missing ticks
+  double time_s = 0;        ///< time of the last tick before them
 };
 
 struct ReplayResult {
@@ -34,15 +34,15 @@ struct ReplayResult {
   std::uint64_t hashes = 0;  ///< compared
   std::optional<ReplayDifference> difference;
   std::optional<ReplayGap> gap;
-  std::string end;          ///< how the recorded run failed in its last tick, and the replay too; empty when it did not
+  std::string end;          ///< failure of both the recorded run and the replay in the last tick; empty without one
   std::string ended_early;  ///< why the rest of the recording could not be replayed; empty when all was
 };
 
-/// Runs a recording again: the same scene under what the device told in each tick.
+/// Runs a recording again: the recorded scene with the recorded readings of the device.
 class Replay {
  public:
-  /// Makes the recorded scene anew.
-  /// @param threads  that share a tick; none: as recorded. The result must not depend on it.
+  /// Makes the recorded scene again.
+  /// @param threads  that share a tick; empty: as recorded. The result must not depend on it.
   /// @throws Failure when the recording began in the middle of a run or its scene cannot be read; InvalidParameter,
   /// Failure as Scene.
   Replay(const RecordingReader& recording, std::optional<int> threads, const SettleProgress& progress = {});

@@ -57,8 +57,8 @@ class Ros2Reader {
   Ros2Reader(Ros2Node& node, std::string_view topic)
       : endpoint_(node.makeReader(typeOf(static_cast<const Message*>(nullptr)), topic, Ros2Qos::kStream)) {}
 
-  /// Calls `each(message, writer)` with all that have come, the oldest first; writer: a number that tells writers
-  /// apart.
+  /// Calls `each(message, writer)` with all received messages, the oldest first; writer: a number that distinguishes
+  /// writers.
   template <class Each>
   void take(const Each& each) const {
     constexpr std::size_t kAtOnce = 16;

@@ -91,7 +91,7 @@ class Ros2Arm::Implementation {
       tare(*told, now_ns);
       return;
     }
-    // The zero is taken off along the axes that the sensor tells: there it stays what it is, however the tool turns.
+    // The zero is subtracted along the sensor's axes: there it is constant, however the tool turns.
     const double sign = parameters_.wrench_of_tool ? -1 : 1;
     const bool of_base = message.header.frame_id == frame_;
     const Quat turn = of_base ? Quat(parameters_.base_T_site.orientation.conjugate()) : reading_.tool.pose.orientation;
@@ -116,10 +116,10 @@ class Ros2Arm::Implementation {
   Ros2Reader<WrenchMessage> wrench_;
 
   ArmReading reading_;
-  std::string frame_;  ///< of the robot's poses
+  std::string frame_;  ///< frame of the robot's poses
   std::int64_t posed_ns_ = 0, measured_ns_ = 0;
   std::optional<Wrench> zero_;
-  Wrench sum_;  ///< of what the zero is made of
+  Wrench sum_;  ///< sum of the wrenches for the zero
   int wrenches_ = 0;
   std::int64_t tared_since_ns_ = 0;
 };

@@ -11,16 +11,16 @@
 
 namespace haptolith {
 
-/// Where a robot in a ROS 2 graph takes targets, and tells where its tool is and what it meets.
+/// Topics of a robot in a ROS 2 graph for targets, tool poses and wrenches.
 struct Ros2ArmParameters {
   std::string target_topic = "/robot/target_pose";  ///< geometry_msgs/PoseStamped, to it
   std::string pose_topic = "/robot/tool_pose";      ///< geometry_msgs/PoseStamped, from it: any rate
   std::string wrench_topic = "/robot/wrench";       ///< geometry_msgs/WrenchStamped, from it
-  Pose base_T_site;                                 ///< where the site's origin lies in the frame of its poses
+  Pose base_T_site;                                 ///< the site's origin in the frame of its poses
   bool wrench_of_tool = false;    ///< the wrench is the tool's on the soil, not the soil's on the tool
   double target_period_s = 0.01;  ///< between two targets
-  double fresh_s = 0.2;           ///< without a pose or a wrench for so long it is not ready
-  double tare_s = 0.5;            ///< of wrenches whose mean is the zero
+  double fresh_s = 0.2;           ///< time without a pose or a wrench after which it is not ready
+  double tare_s = 0.5;            ///< duration of the wrenches whose mean is the zero
 
   static constexpr Range kTargetPeriod_s{1e-3, 0.1};
   static constexpr Range kFresh_s{0.02, 10};
@@ -28,10 +28,10 @@ struct Ros2ArmParameters {
 
 /// A robot's arm by ROS 2. Targets are in the frame of the robot's poses, whose frame_id they are given. A wrench whose
 /// frame_id is that of the poses has the base's axes, any other those of the tool; both about the tool's origin.
-/// Nothing is sent while nobody commands it.
+/// Nothing is sent while there is no command.
 class Ros2Arm final : public RobotArm {
  public:
-  /// @throws InvalidParameter for values out of range and topics that are none; Failure as Ros2Node.
+  /// @throws InvalidParameter for values out of range and invalid topics; Failure as Ros2Node.
   Ros2Arm(Ros2Node& node, const Ros2ArmParameters& parameters, double tick_s);
   ~Ros2Arm() override;
   Ros2Arm(const Ros2Arm&) = delete;

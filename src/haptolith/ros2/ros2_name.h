@@ -18,7 +18,7 @@ struct Ros2Name {
 /// @throws InvalidParameter for names that ROS 2 does not take.
 void validate(const Ros2Name& name);
 
-/// What DDS calls the topic: "rt/tf" for "/tf".
+/// Name of the topic in DDS: "rt/tf" for "/tf".
 [[nodiscard]] std::string ddsTopic(std::string_view full_name);
 
 }  // namespace haptolith

@@ -22,7 +22,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr const char* kDiscoveryTopic = "ros_discovery_info";  // of all topics the one without a prefix
+constexpr const char* kDiscoveryTopic = "ros_discovery_info";  // the only topic without a prefix
 constexpr const char* kDiscoveryType = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
 
 // Cyclone DDS's own defaults come after it, so that CYCLONEDDS_URI has the last word. The loopback interface has no
@@ -42,7 +42,7 @@ std::string discoveryOff() {
       getpid());
 }
 
-// DDS tells of each message that is malformed, and anybody may send any number of those.
+// DDS reports each malformed message, and any sender may send any number of those.
 constexpr int kMostLines = 20;
 
 /// The newest line of DDS's log: why it does not make something.
@@ -142,13 +142,13 @@ QosPointer qosOf(Ros2Qos kind) {
   dds_qset_reliability(qos.get(), stream ? DDS_RELIABILITY_BEST_EFFORT : DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_durability(qos.get(), kind == Ros2Qos::kLatched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, stream ? kStreamDepth : 1);
-  // What ROS 2 and Fast DDS 2 read and write; without it each vendor chooses.
+  // The representation of ROS 2 and Fast DDS 2; without it each vendor chooses.
   const dds_data_representation_id_t plain = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(qos.get(), 1, &plain);
   return qos;
 }
 
-/// What the graph is told of one node, in either layout.
+/// Announcement of one node to the graph, in either layout.
 template <class Info, class Node, class Gid>
 Info infoOf(const Ros2Name& name, dds_entity_t participant, std::vector<Gid>& readers, std::vector<Gid>& writers,
             Node& node) {
@@ -161,7 +161,7 @@ Info infoOf(const Ros2Name& name, dds_entity_t participant, std::vector<Gid>& re
   dds_guid_t guid{};
   dds_get_guid(participant, &guid);
   std::memcpy(info.gid.data, guid.v, sizeof guid.v);
-  // DDS only reads what it is told to write.
+  // DDS only reads the data it writes.
   node.node_namespace =
       const_cast<char*>(name.node_namespace.c_str());     // NOLINT(cppcoreguidelines-pro-type-const-cast)
   node.node_name = const_cast<char*>(name.node.c_str());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
@@ -208,8 +208,7 @@ Ros2Node::Ros2Node(const Ros2Parameters& parameters)
     }
   }
   const QosPointer qos(dds_create_qos());
-  constexpr std::string_view kEnclave =
-      "enclave=/;";  // without it ROS 2 does not take a participant for one of its own
+  constexpr std::string_view kEnclave = "enclave=/;";  // without it ROS 2 does not accept a participant as its own
   dds_qset_userdata(qos.get(), kEnclave.data(), kEnclave.size());
   graph_->participant = made(dds_create_participant(domain, qos.get(), nullptr), "participant");
   dds_topic_descriptor type = graph_->humble ? haptolith_humble_ParticipantEntitiesInfo__desc

@@ -13,11 +13,11 @@ struct dds_topic_descriptor;
 
 namespace haptolith {
 
-/// Which ROS 2 graph to join, and as whom.
+/// The ROS 2 graph to join, and the node's name.
 struct Ros2Parameters {
   Ros2Name name;
   std::optional<int> domain;  ///< none: ROS_DOMAIN_ID, else 0
-  bool localhost = false;     ///< this machine alone; also where ROS_LOCALHOST_ONLY or the discovery range says so
+  bool localhost = false;     ///< this machine alone; also by ROS_LOCALHOST_ONLY or the discovery range
   /// Whether identifiers have 24 bytes, as up to Humble, or 16; none: as ROS_DISTRO says, else 16.
   std::optional<bool> humble;
 };
@@ -30,13 +30,13 @@ struct Ros2Ranges {
 enum class Ros2Qos : std::uint8_t {
   kStream,   ///< sensor data: best effort, volatile, keep last 5
   kCommand,  ///< reliable, volatile, keep last 1
-  kMap,      ///< reliable, volatile, keep last 1: what is told a few times a second, and shown by programs that ask for
+  kMap,      ///< reliable, volatile, keep last 1: data at a few Hz, displayed by programs that request
              ///< reliable
   kLatched,  ///< reliable, transient local, keep last 1
 };
 
 /// A node in a ROS 2 graph without ROS 2: a DDS participant of Cyclone DDS that names topics and types as ROS 2 does,
-/// and tells the topic ros_discovery_info who it is. Not for the tick.
+/// and announces itself on ros_discovery_info. Not for the tick.
 class Ros2Node {
  public:
   /// @throws InvalidParameter for names and domains that ROS 2 does not take; Failure when DDS cannot start.
@@ -50,7 +50,7 @@ class Ros2Node {
   [[nodiscard]] std::int32_t makeWriter(const dds_topic_descriptor& type, std::string_view topic, Ros2Qos qos);
   [[nodiscard]] std::int32_t makeReader(const dds_topic_descriptor& type, std::string_view topic, Ros2Qos qos);
 
-  /// Tells the graph of all endpoints so far. To be called when the last has been made.
+  /// Announces all endpoints so far to the graph. To be called when the last has been made.
   void announce();
 
   [[nodiscard]] const Ros2Name& name() const noexcept { return parameters_.name; }

@@ -23,7 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLook = 500us;                 // how long the thread sleeps between two looks
+constexpr auto kLook = 500us;                 // sleep of the thread between two polls
 constexpr std::size_t kTicksInFlight = 1024;  // a second of them
 constexpr double kTransform_s = 0.02;
 constexpr std::int64_t kHolder_ns = 1'000'000'000;  // as the network device's
@@ -33,15 +33,15 @@ std::int64_t wallClockNs() noexcept {
       .count();
 }
 
-/// Of a tick, what is told.
+/// The published part of a tick.
 struct ToldTick {
   double time_s = 0;
   Pose scene_T_tool;
   Wrench soil, device;
 };
 
-/// When ticks were, by the wall clock: evenly spaced as they are, though they are heard of in bursts. The tick that was
-/// heard of soonest tells how the two clocks lie; after a pause, or in slow motion, they lie otherwise.
+/// Times of ticks by the wall clock: evenly spaced, although they are received in bursts. The tick with the smallest
+/// delay gives the offset of the two clocks; it changes after a pause or in slow motion.
 class TickStamps {
  public:
   std::int64_t of(double time_s, std::int64_t now_ns) noexcept {
@@ -227,7 +227,7 @@ class ScenePublisher::Implementation {
   std::shared_ptr<TargetInbox> inbox_ = std::make_shared<TargetInbox>();
   std::atomic<std::uint64_t> added_{0}, told_{0}, not_told_{0}, surfaces_{0}, targets_{0}, strangers_{0}, nonsense_{0};
 
-  // Of the thread.
+  // For the thread.
   TickStamps stamps_;
   std::uint64_t ticks_told_ = 0;
   std::uint64_t holder_ = 0;

@@ -15,24 +15,24 @@
 
 namespace haptolith {
 
-/// What a scene tells a ROS 2 graph, and takes from it.
+/// Topics that a scene publishes to a ROS 2 graph, and reads from it.
 struct ScenePublisherParameters {
   std::string bed_frame = "haptolith_bed";    ///< the scene's frame: z up, its origin in the middle of the box's floor
   std::string tool_frame = "haptolith_tool";  ///< the tool's
-  bool takes_target = false;                  ///< whether ~/target_pose is read, and ~/felt_wrench told
+  bool takes_target = false;                  ///< whether ~/target_pose is read, and ~/felt_wrench published
 };
 
-/// What has become of messages.
+/// Counts of messages by result.
 struct SceneMessageCounts {
-  std::uint64_t ticks = 0;      ///< that were told: a pose and a wrench each
-  std::uint64_t not_told = 0;   ///< ticks that were not: this thread was held up for too long, or DDS took none
+  std::uint64_t ticks = 0;      ///< published ticks: a pose and a wrench each
+  std::uint64_t not_told = 0;   ///< unpublished ticks: this thread was delayed for too long, or DDS accepted none
   std::uint64_t surfaces = 0;   ///< pictures of the soil
-  std::uint64_t targets = 0;    ///< that were taken
-  std::uint64_t strangers = 0;  ///< of another writer than the one who holds the tool
-  std::uint64_t nonsense = 0;   ///< NaN, infinite, a turn of no unit length, or another frame
+  std::uint64_t targets = 0;    ///< accepted targets
+  std::uint64_t strangers = 0;  ///< targets from another writer than the one that holds the tool
+  std::uint64_t nonsense = 0;   ///< NaN, infinite, an orientation not of unit length, or another frame
 };
 
-/// Tells a ROS 2 graph what a scene does, and hears where the graph wants the tool, on a thread of its own:
+/// Publishes a scene to a ROS 2 graph, and receives targets of the tool from it, on a separate thread:
 ///
 ///     ~/tool_pose     geometry_msgs/PoseStamped    each tick; bed's frame
 ///     ~/wrench        geometry_msgs/WrenchStamped  each tick; of the soil on the tool about its origin; tool's frame
@@ -53,11 +53,11 @@ class ScenePublisher {
   /// Ticks one after the other, from one thread at a time; waits for nothing and allocates nothing.
   void add(std::span<const TickRecord> ticks) noexcept;
 
-  /// How the soil lies: a picture takes some milliseconds, on a thread of its own; false while one is being made, and
-  /// then nothing has happened.
+  /// Publishes the soil: a picture takes a few milliseconds, on a separate thread; returns false without effect while
+  /// one is being made.
   bool show(SeenSoil soil, const HeightGrid& grid);
 
-  /// Where targets go.
+  /// Inbox of the targets.
   [[nodiscard]] std::shared_ptr<TargetInbox> inbox() const noexcept;
   /// Counts of all ticks added so far, for which it waits at most a second. From any thread but the tick's.
   [[nodiscard]] SceneMessageCounts counts() const noexcept;

@@ -1,4 +1,4 @@
-// How a scene is saved, and how one goes on from what was saved.
+// Saves a scene, and continues a saved one.
 
 #include <array>
 #include <cstring>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic{'H', 'A', 'P', 'S', 'C', 'N', '0', '1'};
 
-/// What is saved beside the bed. Numbers only, so that its bytes are its value.
+/// Saved data in addition to the bed. Numbers only, so that its bytes are its value.
 struct Record {
   std::array<char, 8> magic{};
   std::array<double, 3> position_m{};

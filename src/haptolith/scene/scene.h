@@ -14,7 +14,7 @@ namespace haptolith {
 /// floor. May be called in the tick.
 [[nodiscard]] bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept;
 
-/// A scene between two ticks, with all that decides how it goes on.
+/// A scene between two ticks, with everything that determines its next ticks.
 struct SavedScene {
   SavedBed bed;
   HandState tool;        ///< scene frame; how far jaws are to open; its twist does not count
@@ -35,15 +35,15 @@ class Scene {
   /// as Bed::settle().
   Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress = {});
 
-  /// The same with its soil and stones where the caller wants them, at rest; how large each grain is, the seed decides.
+  /// As above with soil and stones at given positions, at rest; the seed determines each particle's size.
   Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m,
         const std::vector<Pose>& stones = {});
 
-  /// The same of soil that lay in a bed of such parameters, with each grain's size: the seed does not tell it where
-  /// soil was repeated from a tile or lies around stones.
+  /// As above from soil of a bed with such parameters, with each particle's size: the seed does not determine it where
+  /// soil was repeated from a tile or surrounds stones.
   Scene(const BedParameters& bed, const ToolParameters& tool, const LyingSoil& lying);
 
-  /// A scene that goes on from a saved one bit for bit, without its soil being settled again.
+  /// Continues a saved scene bit for bit, without settling its soil again.
   /// @throws InvalidParameter as restore().
   Scene(const BedParameters& bed, const ToolParameters& tool, const SavedScene& saved);
 
@@ -59,18 +59,18 @@ class Scene {
   /// The soil wrench and the force that pushed jaws apart (see ToolReaction), 0 with another tool.
   [[nodiscard]] const ToolForce& soilForce() const noexcept { return soil_force_; }
 
-  /// How the force changes with the tool's place at the end of the last tick: see ToolReaction.
+  /// Derivative of the force by the tool's position at the end of the last tick: see ToolReaction.
   [[nodiscard]] const Eigen::Matrix3d& contactStiffness() const noexcept { return stiffness_n_m_; }
 
   /// Between the jaws now, in m; 0 with another tool.
   [[nodiscard]] double opening() const noexcept { return tool_.shape == ToolShape::kJaws ? opening_m_ : 0; }
 
-  /// Puts the tool where `hand` has it, without moving it there, and opens jaws likewise. A tool that is nowhere, see
-  /// tick(), stays where it was.
+  /// Places the tool at `hand` without moving it there, and sets the opening of jaws. A tool without a pose, see
+  /// tick(), keeps its place.
   void placeTool(const HandState& hand) noexcept;
 
-  /// How much of itself the tool is, 0 to 1: with less than 1 it presses, damps and coheres by so much less, and the
-  /// soil on it likewise. Soil that finds itself inside a tool is moved out gently when this grows slowly. May be
+  /// Sets the present fraction of the tool, 0 to 1: its stiffness, damping and cohesion are scaled, in both
+  /// directions. Soil inside a tool is moved out gently when this grows slowly. May be
   /// called in the tick.
   void setToolFade(double share) noexcept { tool_fade_ = share; }
   [[nodiscard]] double toolFade() const noexcept { return tool_fade_; }
@@ -79,14 +79,14 @@ class Scene {
   /// touched. May be called in the tick.
   void setTool(const ToolParameters& tool) noexcept;
 
-  /// Another friction between soil and tool: what touches goes on touching. May be called in the tick.
+  /// Sets the friction between soil and tool; contacts persist. May be called in the tick.
   void setToolFriction(double friction) noexcept { tool_.friction = friction; }
 
   /// As Bed::moveGrain(), away from the tool: what it touches, and what lies within two grains' width of the sphere
   /// around it, stays. May be called in the tick.
   [[nodiscard]] bool moveGrain(const GrainMove& move) noexcept;
 
-  /// All that this scene, or another of the same parameters, needs to go on from here. Not for the tick.
+  /// Returns everything that this scene, or another of equal parameters, needs to continue from here. Not for the tick.
   [[nodiscard]] SavedScene save() const;
   /// Not for the tick. @throws InvalidParameter as Bed::restore(), and for a tool that is nowhere; the scene is then as
   /// it was.
@@ -107,7 +107,7 @@ class Scene {
   int substeps_;
   Bed bed_;
   Pose tool_pose_;
-  double opening_ = 1;  ///< of the jaws, to be reached by the end of a tick
+  double opening_ = 1;  ///< opening of the jaws at the end of the tick
   double opening_m_;    ///< now
   double tool_fade_ = 1;
   ToolForce soil_force_;

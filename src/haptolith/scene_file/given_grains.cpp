@@ -59,7 +59,7 @@ GivenGrains readTable(const std::filesystem::path& path, double radius_m) {
 GivenGrains readGrains(const std::filesystem::path& path, double radius_m) {
   try {
     return readTable(path, radius_m);
-  } catch (const InvalidParameter& error) {  // whoever reads a scene tells the scene's line, too
+  } catch (const InvalidParameter& error) {  // the reader of a scene adds the scene's line
     throw InvalidParameter("grains", inQuotes(path.string()), fmt::format("a table of grains: {}", error.what()));
   }
 }

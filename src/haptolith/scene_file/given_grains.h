@@ -15,7 +15,7 @@ namespace haptolith {
 /// @throws Failure when the file cannot be read; InvalidParameter as Table, with file, line, column and value.
 [[nodiscard]] GivenGrains readGrains(const std::filesystem::path& path, double radius_m);
 
-/// The same in one word for a scene's text, exact to the last bit, and back; empty: none.
+/// Encodes them in one word for a scene's text, bit-exact, and decodes them; empty: none.
 [[nodiscard]] std::string grainsData(const GivenGrains& given);
 /// @throws InvalidParameter for text that is no such word.
 void readGrainsData(GivenGrains& given, std::string_view data);

@@ -11,7 +11,7 @@ namespace haptolith {
 struct KeyUse {
   std::string_view table, name;
   bool (*counts)(const SceneFile&);  ///< whether it has an effect in this scene
-  std::string_view needs;            ///< what it takes: "[tool] shape = sphere or plate"
+  std::string_view needs;            ///< requirement: "[tool] shape = sphere or plate"
   bool may_count_later;              ///< whether the command line or the page can make it count after the file is read
 };
 

@@ -38,7 +38,7 @@ constexpr RivalKeys kRivals[]{
     {"gravity", "vector_m_s2", "magnitude_m_s2"},
 };
 
-/// Those, and ways to choose a soil beside the numbers that make one.
+/// Those, and ways to choose a soil in addition to its numbers.
 std::span<const RivalKeys> rivalKeys() {
   static const std::vector<RivalKeys> kAll = [] {
     std::vector<RivalKeys> all;
@@ -146,10 +146,10 @@ void refuseWhatNeverCounts(const TomlReader& reader, const SceneFile& scene) {
   }
 }
 
-/// Where a scene's text comes from: recordings and studies hold what earlier versions have written.
+/// Source of a scene's text: recordings and studies hold texts of earlier versions.
 enum class From { kFile, kStored };
 
-/// A scene comes from anybody, and a library is code: only the command line and the environment name one. Recordings
+/// Scenes may be foreign, and a library is code: only the command line and the environment name one. Recordings
 /// and studies of earlier versions may hold the key; it has no meaning any more.
 constexpr KeyName kLibrary{"device", "library"};
 
@@ -165,7 +165,7 @@ void refuseLibrary(const TomlReader& reader) {
 SceneFile read(const TomlReader& reader, From from, SceneFile scene = {}) {
   std::vector<KeyName> known = keyNames(sceneFileKeys());
   known.push_back(kLibrary);
-  known.push_back({"", "stone"});  // a table of its own for each
+  known.push_back({"", "stone"});  // a separate table for each
   known.push_back({"", "tool_part"});
   reader.refuseUnknownKeys(known);
   if (from == From::kFile) {
@@ -231,8 +231,8 @@ void takeToolOverrides(TomlReader& reader, const TomlReader& given) {
   }
 }
 
-/// Another soil takes the place of the file's, friction, stiffness and all, but for the size of its grains; and grains
-/// that rub on each other must not begin as a crystal (see setSoil()).
+/// Replaces the file's soil, friction and stiffness included, except for the size of its particles; particles with
+/// contact friction must not begin as a crystal (see setSoil()).
 void takeOverrides(TomlReader& reader, std::span<const std::string> overrides) {
   reader.takeOverrides(overrides, rivalKeys());
   const TomlReader given(overrides, kScene);
@@ -251,7 +251,7 @@ bool giveTitle(std::span<const std::string> overrides) {
   return TomlReader(overrides, kScene).has("", "title");
 }
 
-/// The scene with overrides, and where they change what its title may name, and give no title, one of their own.
+/// The scene with overrides; if they change things that its title may name, and give no title, it gets a new one.
 /// @param reader_of  makes the reader of the scene as it is without them
 template <class ReaderOf>
 SceneFile readWithOverrides(const ReaderOf& reader_of, std::span<const std::string> overrides) {

@@ -17,7 +17,7 @@
 
 namespace haptolith {
 
-/// What a device in a person's hand begins with: as high above the surface as the virtual hand.
+/// Initial handling of a device in a person's hand: as high above the surface as the virtual hand.
 [[nodiscard]] inline HandlingParameters handlingAboveTheBed() {
   HandlingParameters handling;
   handling.mapping.offset_m = HandParameters().home_m;
@@ -27,11 +27,11 @@ namespace haptolith {
 /// A whole scene: soil in a box, a tool, a hand and the loop that joins them. The default is the paper's scene.
 struct SceneFile {
   std::string title = "The paper's scene";
-  std::string preset = "P3";  ///< empty when the soil has a name of its own or was given by its numbers
+  std::string preset = "P3";  ///< empty when the soil has a name or was given by its numbers
   std::string soil_name;      ///< empty when the soil is a preset or was given by its numbers
   std::string body = "Moon";  ///< empty when gravity was given by its number
   BedParameters bed;
-  ToolMeshSource mesh;  ///< what the tool's mesh is made of: see makeToolMesh()
+  ToolMeshSource mesh;  ///< source of the tool's mesh: see makeToolMesh()
   ToolParameters tool;
   HandParameters hand;
   LoopParameters loop;
@@ -52,7 +52,7 @@ struct SceneFile {
 /// @param overrides  keys that replace those of the file, each "table.key=value": see TomlReader::takeOverrides().
 [[nodiscard]] SceneFile findSceneFile(std::string_view name_or_file, std::span<const std::string> overrides = {});
 
-/// The same for a text, called `name` in messages, with files beside what that would be; empty: the paper's scene.
+/// As above for a text, called `name` in messages, with files relative to that name; empty: the paper's scene.
 [[nodiscard]] SceneFile sceneFileFromText(std::string_view text, std::string_view name,
                                           std::span<const std::string> overrides = {});
 
@@ -69,27 +69,27 @@ struct SceneFile {
 [[nodiscard]] std::vector<std::string> idleKeys(std::string_view name_or_file, const SceneFile& scene,
                                                 std::span<const std::string> overrides = {});
 
-/// As loadSceneFile() for a stored text, called `name`, with files beside what that would be; a device's library is
-/// passed over.
+/// As loadSceneFile() for a stored text, called `name`, with files relative to that name; a device's library is
+/// ignored.
 [[nodiscard]] SceneFile loadSceneFileText(std::string_view text, std::string_view name);
 
-/// The whole scene as TOML, for recordings: loadSceneFileText() gives the same scene to the last bit, wherever the
-/// program stands then and whatever its presets, named soils and bodies are by then. Soil and gravity are written by
+/// The complete scene as TOML, for recordings: loadSceneFileText() restores a bit-identical scene in any working
+/// folder and with any later presets, named soils and bodies. Soil and gravity are written by
 /// their numbers, their names for information; poses by their absolute path, if the hand follows them; no library.
 /// @throws InvalidParameter for a scene that no file can hold: a value out of its key's range, one of those that only
 /// the laboratory sets (a periodic box, another tick), a length that is not a number of mm, a file of poses that has
 /// gone.
 [[nodiscard]] std::string sceneFileText(const SceneFile& scene_file);
 
-/// The same as a file for people, of a scene whose grains are in a CSV file beside it (given_grains.h), whatever they
-/// were made of before.
+/// The scene as a file for people, with its particles in a CSV file next to it (given_grains.h), whatever their
+/// origin.
 [[nodiscard]] std::string sceneFileTextWithGrains(SceneFile scene_file, std::string_view grains_file);
 
-/// How hand and tool are joined above soil whose surface is so high: the virtual hand's frame is the scene's, another
-/// device's workspace lies above the surface.
+/// Handling above soil with this surface height: the virtual hand's frame is the scene's, another
+/// device's workspace is above the surface.
 [[nodiscard]] HandlingParameters handlingOf(const SceneFile& scene_file, double surface_m);
 
-/// The same for a device of the caller's, whichever the scene names.
+/// As above for the caller's device, whichever the scene names.
 [[nodiscard]] HandlingParameters handlingOfOwnDevice(const SceneFile& scene_file, double surface_m);
 
 /// Puts a named soil into the scene, its macroparticles as large as its file has them.
@@ -122,7 +122,7 @@ void makeCoarser(SceneFile& scene_file);
 /// @throws InvalidParameter, Failure: as toolMesh().
 void makeToolMesh(SceneFile& scene_file);
 
-/// Checks what no single key can tell: for example that the bed, the tool and the hand fit into one scene.
+/// Checks relations between keys: for example that the bed, the tool and the hand fit into one scene.
 /// @throws InvalidParameter.
 void validate(const SceneFile& scene_file);
 

@@ -160,7 +160,7 @@ Keys keysOfWorld() {
                    [](const S& s) { return s.bed.gravity_m_s2; }},
        "Gravity by its three numbers; instead of all others."},
 
-      // What the program writes beside the numbers it writes.
+      // Names that the program writes in addition to numbers.
       names.text("preset", &S::preset, "What the soil is called when it is a preset."),
       names.text("soil", &S::soil_name, "What the soil is called when it has a name of its own."),
       names.text("body", &S::body, "What the world is called."),
@@ -262,7 +262,7 @@ Keys keysOfStones() {
   };
 }
 
-/// Of `mesh_sheet_mm`, whose number has another name.
+/// Unit of `mesh_sheet_mm`, whose number has another name.
 constexpr KeyUnit kSheetMillimetres{kMillimetres.in_si, "mesh_sheet_mm", "sheet_thickness_m"};
 
 Keys keysOfTool() {

@@ -17,8 +17,8 @@ bool counts(const SceneFileKey& key, const SceneFile& scene) {
   });
 }
 
-/// @param grains_file  what stands in place of the given grains themselves, in a file for people: keys that have no
-/// effect are left out of that.
+/// @param grains_file  replaces the given particles themselves in a file for people, which leaves out keys without
+/// effect.
 std::string textOf(const SceneFile& scene, std::string_view grains_file = {}) {
   const bool for_people = !grains_file.empty();
   std::string text;
@@ -39,7 +39,7 @@ std::string textOf(const SceneFile& scene, std::string_view grains_file = {}) {
   return text + placedStonesText(scene);
 }
 
-/// What reading its text gives: the same, but for where the poses lie, and without a library.
+/// The scene that reading its text gives: equal except for the folder of poses, and without a library.
 SceneFile readBack(SceneFile scene) {
   std::string& poses = scene.hand.poses_file;
   poses = scene.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(poses).string() : "";

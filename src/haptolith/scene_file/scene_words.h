@@ -84,7 +84,7 @@ inline constexpr std::array kHandComplianceWords{
     SceneWord{"rigid", HandCompliance::kRigid},
 };
 
-/// What the virtual hand can be told to do while a scene runs: all but recorded poses, which come from a file.
+/// Motions of the virtual hand that can be chosen while a scene runs: all except recorded poses, which need a file.
 [[nodiscard]] inline std::vector<std::string_view> playableManoeuvres() {
   std::vector<std::string_view> names = namesOf(kManoeuvreWords);
   std::erase(names, "poses");

@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// What somebody has to do at a robot's site, with the robot.
+/// Task for the operator at a robot's site.
 enum class SiteTask : std::uint8_t {
   kTrench,  ///< a trench, as wide as the tool
   kPress,   ///< the tool's large face pressed on the soil
@@ -34,7 +34,7 @@ struct SiteTaskGoals {
 /// In a sentence: "Dig a trench, 40 mm deep and 60 mm long".
 [[nodiscard]] std::string goalOf(SiteTask task);
 
-/// How much of it is reached: "23 of 40 mm". @param reached  depth in m, or force in N; NaN: not known.
+/// Progress of the task: "23 of 40 mm". @param reached  depth in m, or force in N; NaN: not known.
 [[nodiscard]] std::string reachedText(SiteTask task, double reached);
 
 }  // namespace haptolith

@@ -30,7 +30,7 @@ constexpr FileKind kSoil{.name = "soil",
 
 // --- reading --------------------------------------------------------------------------------------------------------
 
-/// Without these a file would be half a soil, and nobody would see which half.
+/// Required keys: without them a file would silently be half a soil.
 void requireKeys(const TomlReader& reader, const SoilParameters& soil) {
   reader.require("", "name");
   for (const char* measured : {"bulk_density_kg_m3", "friction_angle_deg", "cohesion_pa"}) {
@@ -100,7 +100,7 @@ bool isOfOtherModel(std::string_view key, const SceneFile& scene) {
       keyUses(), [&](const KeyUse& use) { return use.table == "soil" && use.name == key && !use.counts(scene); });
 }
 
-/// Numbers of the other friction model are left out unless somebody has set them.
+/// Numbers of the other friction model are left out unless they were set.
 std::string soilLines(const SoilParameters& soil) {
   const SceneFile defaults;
   SceneFile scene;
@@ -158,7 +158,7 @@ SoilFile soilFileFromText(std::string_view text, std::string_view name) {
 
 std::string soilFileText(const SoilFile& soil) {
   std::string text = textOf(soil);
-  static_cast<void>(soilFileFromText(text, "the soil as text"));  // what cannot be loaded is not written
+  static_cast<void>(soilFileFromText(text, "the soil as text"));  // an unreadable text is not written
   return text;
 }
 

@@ -14,7 +14,7 @@ namespace haptolith {
 /// A soil with a name: its measured strength, and macroparticles that behave like it. See docs/reference/soils.md.
 struct SoilFile {
   std::string name;
-  std::string source;  ///< where the target comes from; may be empty
+  std::string source;  ///< source of the target; may be empty
   SoilTarget target;
   SoilParameters soil;
   std::optional<SoilReached> reached;  ///< none: not calibrated
@@ -25,7 +25,7 @@ struct SoilFile {
 
 /// As loadSoilFile() for a text, called `name` in messages.
 [[nodiscard]] SoilFile soilFileFromText(std::string_view text, std::string_view name);
-/// What saveSoilFile() writes. @throws InvalidParameter as it.
+/// Text that saveSoilFile() writes. @throws InvalidParameter as it.
 [[nodiscard]] std::string soilFileText(const SoilFile& soil);
 
 /// The built-in soil of that name, upper and lower case alike; otherwise the file of that name.
@@ -45,8 +45,8 @@ struct NamedSoil {
 /// The built-in soils: the files in soils/.
 [[nodiscard]] std::vector<std::string> soilNames();
 
-/// Writes the file, whole or not at all; loadSoilFile() gives the same numbers, to the last bit (a radius that is no
-/// number of mm may lose it).
+/// Writes the file, completely or not at all; loadSoilFile() restores bit-identical numbers (a radius that is not
+/// exact in mm may differ in the last bit).
 /// @throws InvalidParameter for what loadSoilFile() would refuse; Failure when it is there or cannot be written.
 void saveSoilFile(const std::filesystem::path& path, const SoilFile& soil);
 

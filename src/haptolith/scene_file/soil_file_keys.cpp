@@ -49,7 +49,7 @@ std::vector<SoilFileKey> allSoilFileKeys() {
   return keys;
 }
 
-/// What can be written is the soil's own; a preset, a name or a file is a scene's way to choose one.
+/// Written keys are the soil's own; a preset, a name or a file is a scene's way to choose one.
 bool belongsToSoil(const SceneFileKey& key) {
   const auto* number = std::get_if<SceneFileKey::NumberValue>(&key.value);
   const auto* word = std::get_if<SceneFileKey::WordValue>(&key.value);

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 /// 30 s at 1 kHz, about 13 MB.
 constexpr std::size_t kMostKept = 30'000;
 
-/// Between two looks while somebody listens.
+/// Polling period while there is a listener.
 constexpr std::chrono::microseconds kSoon = 500us;
 
 }  // namespace

@@ -13,15 +13,15 @@
 
 namespace haptolith {
 
-/// Takes what a loop records into the recording, on a thread of its own: nothing is lost while the thread that follows
-/// the loop is held up, by viewers or by a terminal that nobody reads.
+/// Moves the loop's records into the recording on a separate thread: nothing is lost while the thread that follows
+/// the loop is blocked, by viewers or by an unread terminal.
 class RecordTaker {
  public:
   enum class Keep { kNothing, kForTake };
-  /// Is told each tick soon after it, on one thread at a time; must not wait.
+  /// Receives each tick soon after it, on one thread at a time; must not wait.
   using Listener = std::function<void(std::span<const TickRecord>)>;
 
-  /// @param keep   whether take() is called with somebody who wants the ticks.
+  /// @param keep   whether take() is called by a user of the ticks.
   /// @param paced  else the loop waits when too many ticks wait for take(); in step with the clock they are lost to it
   ///               (to it alone, the recording has them).
   RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced, Listener listener = {});

@@ -12,7 +12,7 @@
 
 namespace haptolith {
 
-/// What is to be different about a scene while it is shown; what is left out stays as it is.
+/// Changes of a running scene; absent values stay unchanged.
 struct SceneChange {
   std::optional<std::string> preset = {}, soil = {}, body = {};  ///< not both of preset and soil
   std::optional<FrictionModel> friction = {};
@@ -21,17 +21,17 @@ struct SceneChange {
   std::optional<ToolMeshSource> tool_mesh = {};
   std::optional<Vec3> tool_size_m = {};
   std::optional<double> tool_diameter_m = {}, tool_thickness_m = {}, tool_opening_m = {}, tool_length_m = {};
-  std::optional<double> soil_depth_m = {};                      ///< of a bed that is filled up to a depth
-  std::optional<double> stone_size_m = {}, stone_depth_m = {};  ///< of each stone that was put somewhere
-  std::optional<double> gravity_m_s2 = {};                      ///< keeps its direction
+  std::optional<double> soil_depth_m = {};                      ///< depth of a filled bed
+  std::optional<double> stone_size_m = {}, stone_depth_m = {};  ///< for each placed stone
+  std::optional<double> gravity_m_s2 = {};                      ///< magnitude; the direction is unchanged
 
-  /// Whether it asks for other soil, of which a bed has to be made, or only for what a bed can go on with.
+  /// Whether it needs a new bed of another soil, or only changes that the bed can continue with.
   [[nodiscard]] bool wantsNewBed() const noexcept {
     return preset || soil || friction || soil_depth_m || stone_size_m || stone_depth_m;
   }
 };
 
-/// How long, wide or thick a tool may become while a scene is shown, in m: as the box at most. One that is larger
+/// Limit of a tool's length, width or thickness while a scene runs, in m: as the box at most. One that is larger
 /// leaves the soil no place, which pushes the hand away with all the force there is, and makes the bed collapse.
 [[nodiscard]] Range toolLengths(const BedParameters& bed);
 

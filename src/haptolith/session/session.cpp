@@ -21,7 +21,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// How many level beds are remembered: the stimuli of a study.
+/// Number of cached level beds: the stimuli of a study.
 constexpr std::size_t kMaxCachedBeds = 64;
 
 /// Before anything is made or moves.
@@ -77,7 +77,7 @@ Session::Showing Session::showFresh(const SceneFile& scene_file, std::shared_ptr
   made.scene_file = scene_file;
   made.made_of = scene_file.bed;
   SavedScene saved = fresh->saved;
-  saved.opening_m = scene_file.tool.opening_m;  // of another tool, perhaps
+  saved.opening_m = scene_file.tool.opening_m;  // the tool may be another one
   made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, saved);
   made.fresh = std::move(fresh);
   return made;
@@ -307,7 +307,7 @@ void Session::pursue() {
   }
 }
 
-/// What the loop does not take now is asked for again at the next poll().
+/// Requests that the loop does not accept now are repeated at the next poll().
 void Session::changeWhatIsThere() {
   SceneFile& now = current_.scene_file;
   if (wanted_.bed.gravity_m_s2 != now.bed.gravity_m_s2) {
@@ -408,7 +408,7 @@ bool Session::adjust(const SoilAdjustment& adjustment) {
 }
 
 bool Session::moveGrain(const GrainMove& move) {
-  // The loop moves one grain in each tick: while there are none, what is asked behind a second one would wait for ever.
+  // The loop moves one particle per tick: without ticks, requests behind a second one would wait for ever.
   return !paused_ && !making_ && !coming_ && bed_wanted_.empty() && loop_->ask(request::MoveGrain{move});
 }
 

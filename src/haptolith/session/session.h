@@ -19,12 +19,12 @@
 
 namespace haptolith {
 
-/// A scene that runs, and may be changed while it does: soil, world, tool and hand. Beds are made on a thread of their
-/// own while the one before goes on, and replace it without the hand feeling a jump. All calls from one thread,
+/// A scene that runs, and may be changed while it does: soil, world, tool and hand. Beds are made on a separate
+/// thread while the current one continues, and replace it without a jump of force. All calls from one thread,
 /// which is not the loop's; none of them can delay a tick.
 class Session {
  public:
-  /// Makes the first bed, telling `progress`, and opens the scene file's device, unless it is given another.
+  /// Makes the first bed, reporting to `progress`, and opens the scene file's device, unless it is given another.
   /// @throws InvalidParameter, Failure: as Scene, VirtualHand, openDevice() and HapticLoop.
   Session(SceneFile scene_file, bool keep_records, const SettleProgress& progress = {},
           std::unique_ptr<HapticDevice> device = nullptr);
@@ -36,29 +36,30 @@ class Session {
   [[nodiscard]] bool done() const { return thread_ && thread_->done(); }
   /// Waits for the loop's end.
   LoopEnd join();
-  /// What the loop's thread was granted; nothing where it has none.
+  /// Privileges of the loop's thread; empty without one.
   [[nodiscard]] RealTime realTime() const { return thread_ ? thread_->realTime() : RealTime{}; }
 
-  /// Moves on what others have finished: call it some hundred times a second. True when something has changed that
-  /// sceneFile() and scenes() tell.
+  /// Completes work of other threads: call it at about 100 Hz. True when sceneFile() or scenes() has
+  /// changed.
   bool poll();
 
-  /// Moves on to the newest snapshot; false when there is none newer than snapshot().
+  /// Takes the newest snapshot; false when snapshot() is the newest.
   bool update();
   [[nodiscard]] const SceneSnapshot& snapshot() const { return snapshots_->latest(); }
 
   // --- changes: @throws InvalidParameter, Failure as changed(), Failure when there is no thread or no memory for
-  // another bed; then nothing has changed. What cannot be done at once, because a bed is on its way, is done when that
-  // has come.
+  // another bed; then nothing has changed. Changes that must wait for a bed under construction are made when it
+  // arrives.
 
   void change(const SceneChange& change);
-  /// Another mesh as the tool, made on a thread of its own: it comes with a later poll(), or problem() says why not.
+  /// Uses another mesh as the tool, made on a separate thread: it arrives with a later poll(), or problem() has the
+  /// reason.
   void takeToolMesh(ToolMeshSource source);
   void reset();  ///< the scene as it was started
-  /// The scene as it was started with these changes, one after the other, and a bed of its own, level and untouched.
+  /// Shows the initial scene with these changes, applied in order, and a separate bed, level and untouched.
   void show(std::span<const SceneChange> changes);
-  void level();  ///< the same soil, level again
-  /// The same soil one step coarser (makeCoarser()), level; reset() and show() keep it so. Another step may be asked
+  void level();  ///< makes the soil level again
+  /// Makes the soil one step coarser (makeCoarser()), level; reset() and show() keep it so. Another step may be asked
   /// for while a bed is being made.
   void coarsen();
   void undo();  ///< the bed as it was before the last new one; a second undo brings that back
@@ -79,7 +80,7 @@ class Session {
   void pause();
   void resume();
   void advance(int ticks);       ///< only while paused
-  void setSpeed(double factor);  ///< of a simulated hand's time; a person's runs as it does
+  void setSpeed(double factor);  ///< speed of a simulated hand's time; a person's is real time
 
   // While the virtual hand has the tool:
   void hold(const Pose& scene_T_tool);
@@ -93,21 +94,21 @@ class Session {
   /// The scene that is shown.
   [[nodiscard]] const SceneFile& shown() const noexcept { return current_.scene_file; }
   [[nodiscard]] const Scene& scene() const noexcept { return *current_.scene; }
-  /// How many beds have been shown: particles of one are not those of another.
+  /// Number of beds so far: particle indices are valid within one bed.
   [[nodiscard]] std::uint32_t scenes() const noexcept { return scenes_; }
   /// Height of the soil's surface when the bed that is shown was made, in m.
   [[nodiscard]] double surface() const noexcept { return current_.fresh->surface_m; }
   [[nodiscard]] double speed() const noexcept { return speed_; }
   [[nodiscard]] const std::optional<Pose>& held() const noexcept { return command_.held; }
   [[nodiscard]] Manoeuvre manoeuvre() const noexcept { return command_.manoeuvre; }
-  /// Where the tool may be pulled to, in m.
+  /// Range of the tool's targets, in m.
   [[nodiscard]] Vec3 workspaceLow() const noexcept;
   [[nodiscard]] Vec3 workspaceHigh() const noexcept;
   /// Whether the bed that was wanted last is there.
   [[nodiscard]] bool settled() const noexcept { return bed_wanted_.empty() && !making_ && !coming_; }
-  /// What takes a while just now, in words; empty when nothing does.
+  /// Description of the current long work; empty without any.
   [[nodiscard]] std::string busy() const;
-  /// What undo() would take back; empty when nothing.
+  /// Change that undo() would revert; empty without one.
   [[nodiscard]] std::string_view undoable() const noexcept { return previous_ ? previous_->replaced_by : ""; }
   /// Whether undo() would bring back what the last undo() took back.
   [[nodiscard]] bool undoRedoes() const noexcept { return previous_ && previous_->taken_back; }
@@ -115,28 +116,28 @@ class Session {
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
   [[nodiscard]] std::string_view deviceName() const noexcept { return device_->name(); }
   [[nodiscard]] const HapticDevice& device() const noexcept { return *device_; }
-  /// Whether a person is at a device that shows forces, and has not been let go: what changes the scene changes what
-  /// they feel. Also in a pause.
+  /// Whether a person is at a device with force feedback that has not tripped: changes of the scene change their
+  /// force. Also in a pause.
   [[nodiscard]] bool personFeels() const noexcept;
 
-  /// How many ticks the newest snapshot knows of; 0 before the first.
+  /// Number of ticks in the newest snapshot; 0 before the first.
   [[nodiscard]] std::uint64_t loopTicks() const noexcept { return snapshot().ticks; }
 
   [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
   [[nodiscard]] const HapticLoop& loop() const noexcept { return *loop_; }
 
  private:
-  /// How a bed lay when it was new: level, and at rest.
+  /// State of a new bed: level, and at rest.
   struct Fresh {
-    BedParameters bed;  ///< what it was made of
+    BedParameters bed;  ///< its parameters
     SavedScene saved;
-    std::size_t held = 0;  ///< of its particles, see LyingSoil
+    std::size_t held = 0;  ///< number of held particles, see LyingSoil
     double surface_m = 0;
   };
   /// A bed that is, was or will be shown.
   struct Showing {
-    SceneFile scene_file;   ///< what has been asked for of this bed, and done
-    BedParameters made_of;  ///< what its lists and steps are good for
+    SceneFile scene_file;   ///< requested and applied state of this bed
+    BedParameters made_of;  ///< parameters that its lists and steps suit
     std::shared_ptr<const Fresh> fresh;
     std::unique_ptr<Scene> scene;
     std::unique_ptr<ShownScene> own_shown;  ///< none for the first: the loop has that

@@ -14,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-/// The tool may be pulled so far beyond the box and above the surface: well within what the loop takes for a hand.
+/// Range of the tool beyond the box and above the surface: well within the loop's limits for a hand.
 constexpr double kBesideBox_m = 0.15;
 constexpr double kAboveSurface_m = 0.35;
 

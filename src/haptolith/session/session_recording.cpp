@@ -16,7 +16,7 @@ namespace haptolith {
 
 namespace {
 
-/// An hour at 1 kHz, about 0.8 GB: somebody has forgotten it.
+/// An hour at 1 kHz, about 0.8 GB: a forgotten recording.
 constexpr std::uint64_t kMostTicks = 3'600'000;
 
 RecordingHeader headerOf(const Session& session, const std::string& program_version) {

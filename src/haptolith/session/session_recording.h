@@ -16,31 +16,31 @@ namespace haptolith {
 
 /// A recording of the session that runs: of all of it (`run --record`), or of a part that a viewer has
 /// asked for, in a new file where the program was started. Whatever goes wrong with it ends the recording and not the
-/// run. From the thread that follows the loop, but for add(ticks).
+/// run. From the thread that follows the loop, except add(ticks).
 class SessionRecording {
  public:
   struct Options {
     double frames_per_s = 0;      ///< pictures of all particles; 0: none
     std::string program_version;  ///< for the file
-    bool robot = false;           ///< one follows the tool: what it tells is recorded, too
+    bool robot = false;           ///< a robot follows the tool: its reports are also recorded
     std::function<void(const std::string&)> warn = [](const std::string&) {};
   };
 
   explicit SessionRecording(Options options) : options_(std::move(options)) {}
 
-  /// Begins a file with a name of its own; finishes the part that was being recorded before. @throws Failure as
+  /// Begins a file with a new name; finishes the part that was being recorded before. @throws Failure as
   /// RecordingWriter, and when the whole run is being recorded.
   void start(const Session& session);
   /// Finishes a part. @throws Failure as stop(), also when ticks are missing, and when the whole run is being recorded.
   void stopPart();
   /// Begins this file; before the first tick. @throws Failure as RecordingWriter.
   void start(const Session& session, const std::string& file, bool overwrite);
-  /// Finishes it, if there is one. A warning and problem() tell when ticks are missing in it. @throws Failure when not
+  /// Finishes it, if there is one. A warning and problem() report missing ticks. @throws Failure when not
   /// all of what it was given could be written.
   void stop();
 
-  /// Ends the recording when the disk takes no more, or after an hour that nobody has asked for beforehand; a warning
-  /// says so. To be called often.
+  /// Ends the recording when the disk is full, or after an hour unless more was requested; with a
+  /// warning. To be called often.
   void check();
 
   /// Adds what is new while something is being recorded; ticks from any one thread.
@@ -55,7 +55,7 @@ class SessionRecording {
 
   /// Its file's name; empty when nothing is being recorded.
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  /// What went wrong with the last one; empty when nothing did.
+  /// Fault of the last recording; empty without one.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
 
  private:

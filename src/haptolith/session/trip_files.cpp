@@ -19,7 +19,7 @@ namespace haptolith {
 
 namespace {
 
-/// Files of a run, together 0.5 MB: a hand that is let go again and again does not fill the disk.
+/// Files of a run, together 0.5 MB: repeated trips do not fill the disk.
 constexpr std::uint64_t kMostFiles = 20;
 constexpr double kBetween_s = 1;
 
@@ -27,7 +27,7 @@ constexpr double kBetween_s = 1;
 std::string writeTripFile(const TripReport& report) {
   const std::filesystem::path folder = userStateFolder();  // else the current one
   if (std::error_code error; !folder.empty()) {
-    std::filesystem::create_directories(folder, error);  // where that fails, the file says why
+    std::filesystem::create_directories(folder, error);  // if that fails, the file reports why
   }
   std::string name = newFileName((folder / "haptolith-trip").string(), ".csv");
   AtomicFile file(name);

@@ -8,18 +8,18 @@
 
 namespace haptolith {
 
-/// What there is to tell when the safety layer lets go of the hand, and files of the ticks before; not without end,
-/// when it does so again and again.
+/// Reports safety trips, and writes files of the ticks before; limited for
+/// repeated trips.
 class TripFiles {
  public:
   /// Writes the last ticks to a new CSV file in the user's folder for such things, $XDG_STATE_HOME/haptolith or
   /// ~/.local/state/haptolith. After 20 times no more files are written,
-  /// and it tells once a second how often that was.
-  /// @param problem  what the device says of it; may be empty.
-  /// @return what there is to tell; empty: nothing.
+  /// and it reports their number once a second.
+  /// @param problem  report of the device; may be empty.
+  /// @return the report; may be empty.
   std::string tell(const TripReport& report, std::string_view problem);
 
-  /// What it has not told; empty: nothing.
+  /// The part not yet reported; may be empty.
   [[nodiscard]] std::string rest() const;
 
  private:

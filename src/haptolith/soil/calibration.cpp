@@ -26,15 +26,15 @@ constexpr double kMostRho0 = 1600;
 // The rock itself has about 3100 kg/m^3. No fit to the lunar law comes near this bound.
 constexpr double kMostRhoMax = 2600;
 
-// How far compaction to rho_1 may use up the way to a_min. Nearer to a_min the cohesion of (paper 18) grows without
-// limit and the search would buy any cohesion there with a soil that is nothing like one. The paper's sets use 0.57 to
-// 0.72.
+// Largest part of the way to a_min that compaction to rho_1 may use. Nearer to a_min the cohesion of (paper 18) grows
+// without limit and the search would buy any cohesion there with a soil that is nothing like one. The paper's sets use
+// 0.57 to 0.72.
 constexpr double kMostOverlap = 0.9;
 
 // kg/m^3; worse than any soil, and finite, because DIRECT averages.
 constexpr double kImpossible = 1e5;
 
-/// What the search varies. Both run from 0 to 1, so that every point of the square is a soil that can be compacted.
+/// Variables of the search. Both run from 0 to 1, so that every point of the square is a soil that can be compacted.
 struct Shape {
   double rho0 = 0;     ///< from kLeastCalibratedRho0 to kMostRho0
   double rho_max = 0;  ///< from leastCompactableRhoMax() to kMostRhoMax

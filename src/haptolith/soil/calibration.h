@@ -6,7 +6,7 @@
 
 namespace haptolith {
 
-/// How far a soil's density is from the lunar law over the depth where that was measured, 0 to 0.6 m, in kg/m^3.
+/// Deviation of a soil's density from the lunar law over the measured depths, 0 to 0.6 m, in kg/m^3.
 ///
 ///     sqrt( sum_n h_n (rho(n) - rho_law,n)^2 / 0.6 m )
 ///
@@ -18,7 +18,7 @@ namespace haptolith {
 /// @throws as layersToDepth().
 [[nodiscard]] double lunarDensityRms(const SoilParameters& soil, double gravity_m_s2);
 
-/// What the calibrated soil has to be.
+/// Properties that the calibrated soil must have.
 struct CalibrationTarget {
   double friction_coefficient = 0;  ///< mu (paper 17), above 0 to 2 (63 degrees)
   double cohesion_pa = 0;           ///< C (paper 18), above 0; the most that can be reached depends on mu and k

@@ -1,5 +1,6 @@
 // The contact law, once, for every kind of number: double here for the analysis of the soil, and the SIMD vectors of
-// each instruction set in the bed's kernel. Included again for every target, hence the toggled guard (Highway's idiom).
+// each instruction set in the bed's kernel. Included again for every target, therefore the toggled guard (Highway's
+// idiom).
 
 #if defined(HAPTOLITH_CONTACT_LAW_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_CONTACT_LAW_INL_H_
@@ -110,11 +111,11 @@ HWY_INLINE Real uncutContactForce(const LawOf<Real>& law, Real a) {
   return MulAdd(law.k, held - a, MulSub(law.gamma, Inverse(held - law.a_min), law.h));
 }
 
-/// What cohesion does between two surfaces.
+/// Effect of cohesion between two surfaces.
 template <class Real>
 struct Cohesion {
   Real pull;    ///< towards each other: F_c (1 - u^2) = 4 F_c s (1 - s),  s = gap / range
-  Real weight;  ///< what it adds to repulsion where friction is limited: F_c max(u, 0)^2
+  Real weight;  ///< addition to the repulsion that limits friction: F_c max(u, 0)^2
 };
 
 /// Cohesion across a gap: with u = 1 - 2 gap / range, held between -1 and 1, there is no pull where the surfaces touch
@@ -127,11 +128,11 @@ HWY_INLINE Cohesion<Real> cohesionAcross(const CohesionOf<Real>& cohesion, Real 
   return {cohesion.largest * NegMulAdd(u, u, cohesion.one), cohesion.largest * growing * growing};
 }
 
-/// What two particles with contact friction do along the line between their centres.
+/// Forces between two particles with contact friction along the line between their centres.
 template <class Real>
 struct CohesiveContact {
   Real normal;       ///< F > 0 repels
-  Real compression;  ///< what limits friction, over mu_p
+  Real compression;  ///< limit of friction, divided by mu_p
 };
 
 /// Repulsion (paper 7) while particles overlap, cohesion beyond.

@@ -55,7 +55,7 @@ double linearGamma(const SoilParameters& soil) {
 }
 
 SoilParameters withStiffness(SoilParameters soil, double stiffness_n_m) {
-  constexpr double kRounding = 1e-6;  // of a number in a file
+  constexpr double kRounding = 1e-6;  // relative rounding of a number in a file
   const bool linear = std::abs(soil.gamma_nm / linearGamma(soil) - 1) < kRounding;
   soil.stiffness_n_m = stiffness_n_m;
   if (linear) {

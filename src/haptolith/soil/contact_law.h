@@ -13,11 +13,11 @@ namespace haptolith {
 /// a is the distance between two centres in m. F > 0 repels; between 2R and the cutoff F < 0 attracts, and at the
 /// cutoff it jumps to 0. a_thr is where the slope of the hyperbola is -k, so F is C1 there.
 ///
-/// With contact friction repulsion is the same, and attraction is a parameter of its own: beyond 2R
+/// With contact friction repulsion is the same, and attraction is a separate parameter: beyond 2R
 ///
 ///     F(a) = -4 F_c s (1 - s),   s = (a - 2R) / range        for 2R <= a < cutoff = 2R + range
 ///
-/// which pulls hardest, with F_c, halfway and lets go gently; without cohesion the cutoff is 2R.
+/// which has its maximum F_c halfway and fades to zero; without cohesion the cutoff is 2R.
 struct ContactLaw {
   double gamma_nm = 0;
   double a_min_m = 0;         ///< (paper 8)
@@ -40,7 +40,7 @@ struct ContactLaw {
 /// is denser below, as lunar soil is. @throws as makeContactLaw().
 [[nodiscard]] double linearGamma(const SoilParameters& soil);
 
-/// The same soil with another k; a linear spring remains one. @throws as makeContactLaw().
+/// Returns the soil with another k; a linear spring remains one. @throws as makeContactLaw().
 [[nodiscard]] SoilParameters withStiffness(SoilParameters soil, double stiffness_n_m);
 
 /// F(a) in N at centre distance `a_m`, cutoff included (paper 19). The law itself is written in contact_law-inl.h.
@@ -53,7 +53,7 @@ struct ContactLaw {
 /// The centre distance in m at which two particles repel with `force_n` >= 0: F(a) solved for a.
 [[nodiscard]] double distanceAtForce(const ContactLaw& law, double force_n) noexcept;
 
-/// What a flat wall does to a particle: it answers like the particle's mirror image, so F is taken at twice the
+/// Force of a flat wall on a particle: it acts like the particle's mirror image, so F is taken at twice the
 /// distance to the wall, and only repels; with contact friction a wall coheres like the soil. A layer on the floor is
 /// then as stiff as a layer on a layer.
 [[nodiscard]] ContactLaw wallLaw(const ContactLaw& law, double radius_m) noexcept;

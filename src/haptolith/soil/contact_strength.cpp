@@ -14,9 +14,9 @@ namespace {
 /// The contacts that the table is good for, somewhat beyond its ends.
 constexpr double kLeastFriction = 0.1, kMostFriction = 0.85, kMostCohesion_n = 1.5;
 
-/// What shear tests of lunar contacts (lab/report/calibrate_soil.cpp) showed (shearTest(), seed 1; where friction and
-/// cohesion are both large, rounded guesses from the neighbours): the surrogate with which a calibration begins. Only
-/// its slopes matter in the end.
+/// Results of simulated shear tests of lunar contacts (lab/report/calibrate_soil.cpp; shearTest(), seed 1; where
+/// friction and cohesion are both large, rounded guesses from the neighbours): the surrogate with which a calibration
+/// begins. Only its slopes matter in the end.
 constexpr std::array kFrictions{0.2, 0.35, 0.5, 0.7};
 constexpr std::array kCohesions_n{0.0, 0.1, 0.3, 0.9};
 using Table = std::array<std::array<ShearStrength, 4>, 4>;  // [cohesion][friction]
@@ -42,7 +42,7 @@ std::size_t cellOf(const std::array<double, kKnots>& knots, double x) {
   return cell;
 }
 
-/// How much a contact of another size holds at the same stress: as R^2.
+/// Strength of a contact of another size at the same stress: as R^2.
 double sizeFactor(const SoilParameters& soil) {
   return std::pow(soil.radius_m / kTabulatedRadius_m, 2);
 }

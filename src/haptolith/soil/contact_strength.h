@@ -27,14 +27,14 @@ struct ContactStrength {
   double cohesion_n = 0;
 };
 
-/// What simulated shear tests of lunar contacts showed, between the contacts that were tested and straight on beyond
-/// them. Its slopes are right for other soils, too; its values are a few degrees and a fifth of the cohesion off.
+/// Interpolates simulated shear tests of lunar contacts, and extrapolates linearly beyond them. Its slopes also hold
+/// for other soils; its values are off by a few degrees and a fifth of the cohesion.
 [[nodiscard]] ShearStrength tabulatedStrength(const ContactStrength& contact, SoilStrength kind);
 
 /// The contact for which tabulatedStrength() is the wanted one, as near as contacts go.
 [[nodiscard]] ContactStrength tabulatedContact(const ShearStrength& wanted, SoilStrength kind);
 
-/// How friction angle and cohesion of a soil that was calibrated change with its contacts: at the calibrated contacts
+/// Change of a calibrated soil's friction angle and cohesion with its contacts: at the calibrated contacts
 /// they are the soil's own, elsewhere an estimate from tabulatedStrength().
 class CalibratedStrength {
  public:

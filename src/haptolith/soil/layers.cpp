@@ -20,7 +20,7 @@ struct Lattice {
   ContactLaw law;
   double radius_m = 0;
   double rho0_kg_m3 = 0;
-  double weight_n = 0;  ///< of one macroparticle, m g
+  double weight_n = 0;  ///< weight of one particle, m g
 
   /// Square of the horizontal distance between neighbours of adjacent layers (paper 5).
   double offsetSquared() const { return 4 * radius_m * radius_m / 3; }
@@ -46,7 +46,7 @@ ContactLaw linearLaw(const SoilParameters& soil) {
   return law;
 }
 
-/// The least centre distance to look at, where a contact surely carries `load_n` if it can at all.
+/// Lower bound of the centre distance, where a contact surely carries `load_n` if it can at all.
 double closestDistance(const Lattice& lattice, double load_n) {
   const ContactLaw& law = lattice.law;
   if (law.stiffness_n_m == 0) {
@@ -71,7 +71,7 @@ double solveSpacing(const Lattice& lattice, int layer) {
   const auto surplus = [&](double a) { return lattice.carriedAt(a) - load_n; };
   if (surplus(closest) < 0) {
     if (lattice.law.stiffness_n_m == 0) {
-      return lattice.spacingAt(closest);  // nearer to a_min than a double can tell
+      return lattice.spacingAt(closest);  // nearer to a_min than a double resolves
     }
     throw Failure(
         fmt::format("the soil collapses at layer {}: its contacts carry at most {:.4g} N there, the load is "

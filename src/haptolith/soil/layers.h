@@ -39,8 +39,8 @@ struct Layer {
 /// @throws as layerSpacing().
 [[nodiscard]] std::vector<Layer> layersToDepth(const SoilParameters& soil, double gravity_m_s2, double depth_m);
 
-/// The same with the linear contact F = k (2R - a), which the paper draws in Fig. 2 to show that it does not do. Of the
-/// soil it takes R, rho0 and k, which must be finite here.
+/// Layers with the linear contact F = k (2R - a), which the paper shows in Fig. 2 as inadequate. Uses R, rho0 and k of
+/// the soil, which must be finite here.
 /// @throws as layersToDepth().
 [[nodiscard]] std::vector<Layer> linearLayersToDepth(const SoilParameters& soil, double gravity_m_s2, double depth_m);
 

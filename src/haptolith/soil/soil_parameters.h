@@ -9,10 +9,10 @@
 
 namespace haptolith {
 
-/// What friction acts against, and where cohesion comes from.
+/// Reference of friction, and source of cohesion.
 enum class FrictionModel {
   kPaper,    ///< against absolute space (paper 14, 20); cohesion is the attraction of (paper 19)
-  kContact,  ///< between particles that touch (Cundall and Strack 1979); cohesion is a parameter of its own
+  kContact,  ///< between particles that touch (Cundall and Strack 1979); cohesion is a separate parameter
 };
 
 /// The soil as its macroparticles see it: one row of the paper's Table II and the constants the paper fixes once; and
@@ -30,7 +30,7 @@ struct SoilParameters {
   FrictionModel friction = FrictionModel::kPaper;
   double contact_friction = 0.5;      ///< mu_p, Coulomb friction of a contact
   double contact_cohesion_n = 0;      ///< F_c, largest pull of a contact, and what it adds to the normal force
-  double cohesion_range_ratio = 0.4;  ///< how far apart two particles still cohere, in R
+  double cohesion_range_ratio = 0.4;  ///< gap at which two particles still cohere, in R
   double tangential_ratio = 0.5;      ///< k_t / k, tangential over normal stiffness of a contact
   double size_spread = 0;      ///< radii lie evenly between R (1 - spread) and R (1 + spread); all weigh the same
   double damping_ratio = 0.2;  ///< zeta, of a pair that bounces, over critical damping
@@ -133,7 +133,7 @@ static_assert(sizeof(SoilParameters) == (kSoilNumbers.size() + 1) * sizeof(doubl
 /// @throws InvalidParameter with the key, the value and the valid range. An infinite stiffness passes.
 void validate(const SoilParameters& soil);
 
-/// What of a soil with contact friction, and of a tool in it, can be changed little by little while they touch.
+/// Parameters of a soil with contact friction, and of a tool in it, that can change gradually during contact.
 struct SoilAdjustment {
   double contact_friction = 0, contact_cohesion_n = 0;  ///< as in SoilParameters
   double tool_friction = 0;                             ///< tan(delta)
@@ -149,7 +149,7 @@ struct SoilAdjustment {
 /// m = 4 sqrt(2) rho0 R^3, in kg (paper 4).
 [[nodiscard]] double macroparticleMass(const SoilParameters& soil);
 
-/// The same soil made of particles of another radius: stress at equal relative overlap stays, so
+/// Returns the soil made of particles of another radius: stress at equal relative overlap stays, so
 /// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2: SoilNumber::radius_power. See docs/explanation/equations.md.
 [[nodiscard]] SoilParameters rescaled(SoilParameters soil, double radius_m);
 }  // namespace haptolith

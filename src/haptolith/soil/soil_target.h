@@ -8,18 +8,18 @@ namespace haptolith {
 
 /// Which strength of a sheared bed is compared with the target.
 enum class SoilStrength {
-  kResidual,  ///< what is left after long shearing
-  kPeak,      ///< the most it carries
+  kResidual,  ///< strength after long shearing (critical state)
+  kPeak,      ///< maximum strength
 };
 
-/// What is valid of measured values.
+/// Valid ranges of measured values.
 struct SoilTargetRanges {
   static constexpr Range bulk_density_kg_m3{0, 1e5, Ends::kOpenBelow};
   static constexpr Range friction_angle_deg{0, 89};
   static constexpr Range cohesion_pa{0, 1e6};
 };
 
-/// What an engineer measured.
+/// Strength that an engineer measured.
 struct SoilTarget {
   double bulk_density_kg_m3 = 0;
   double friction_angle_deg = 0;
@@ -29,7 +29,7 @@ struct SoilTarget {
   SoilStrength strength = SoilStrength::kResidual;
 };
 
-/// What the virtual laboratory measured of the macroparticles in the end: mean and standard deviation over seeds.
+/// Strength that the virtual laboratory simulated at the end of a calibration: mean and SD over seeds.
 struct SoilReached {
   double friction_angle_deg = 0, friction_angle_sd_deg = 0;
   double cohesion_pa = 0, cohesion_sd_pa = 0;

@@ -18,11 +18,11 @@ namespace {
 
 // A rock is made about one unit of length large, and scaled in the end.
 
-/// How broken rock looks, found by looking.
+/// Shape parameters of broken rock, found by visual comparison.
 struct RockLook {
   static constexpr int kFewestFaces = 14;
-  static constexpr int kMoreFaces = 6;          ///< up to as many
-  static constexpr double kNearestFace = 0.74;  ///< from the middle, over the radius of the ball that is cut
+  static constexpr int kMoreFaces = 6;          ///< up to this number in addition
+  static constexpr double kNearestFace = 0.74;  ///< distance from the centre, over the radius of the sphere that is cut
   static constexpr double kFarthestFace = 1.06;
   static constexpr int kDirections = 6;  ///< drawn for each face: the one that is farthest from those before it counts
   static constexpr double kShortestEdge = 0.12;  ///< a cut that would leave a shorter one is drawn again
@@ -32,7 +32,7 @@ struct RockLook {
 const Vec3 kAxes{1.25, 1, 0.8};
 
 constexpr std::size_t kSurfacePoints = 1000;
-constexpr double kNear = 0.015;  // of the size
+constexpr double kNear = 0.015;  // fraction of the size
 constexpr std::size_t kMostSpheres = 45;
 
 /// A convex body about the origin.

@@ -15,8 +15,8 @@ constexpr double kThrough = 0.003;
 /// Spheres overlap when they do by this part of the smaller one's radius.
 constexpr double kOverlap = 0.1;
 
-/// The largest sphere inside that touches the surface at a point or nearly does; radius 0 where there is none. Spheres
-/// that touch the same point lie in each other, so that halving finds it.
+/// The largest sphere inside that touches the surface at a point or nearly does; radius 0 without one. Spheres
+/// that touch one point are nested, so that bisection finds it.
 StoneSphere largestAt(const SurfacePoint& at, const DepthInSolid& depth, const FillingOptions& options) {
   const double through_m = kThrough * options.size_m;
   const auto fits = [&](double radius_m) {
@@ -110,11 +110,11 @@ class Choice {
 
   const std::vector<SurfacePoint>& surface_;
   const std::vector<StoneSphere>& candidates_;
-  std::vector<double> most_gain_m2_;   // of each candidate at most: the more spheres, the less another brings
-  std::vector<std::size_t> known_at_;  // with how many spheres that was
+  std::vector<double> most_gain_m2_;   // upper bound per candidate: the more spheres, the less another adds
+  std::vector<std::size_t> known_at_;  // number of spheres at that time
   std::vector<bool> reached_;          // overlaps one of the spheres
   std::vector<StoneSphere> chosen_;
-  std::vector<double> away_m_;  // of each surface point from the union
+  std::vector<double> away_m_;  // distance of each surface point from the union
 };
 
 }  // namespace

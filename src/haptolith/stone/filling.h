@@ -19,11 +19,11 @@ struct SurfacePoint {
 /// Points spread evenly over a surface, as many on each triangle as its area is worth.
 [[nodiscard]] std::vector<SurfacePoint> spreadOver(const TriangleMesh& surface, std::size_t count);
 
-/// How far a point is from a solid's surface, negative outside; `most_m` where it is inside by more than that.
+/// Depth of a point in a solid, negative outside; `most_m` if it is deeper.
 using DepthInSolid = std::function<double(const Vec3& point_m, double most_m)>;
 
 struct FillingOptions {
-  double size_m = 1;              ///< of the solid: what small is compared with
+  double size_m = 1;              ///< size of the solid: the reference for small lengths
   double near_m = 0;              ///< surface that is as near to the union is filled up to
   double filled = 0.98;           ///< part of the surface that has to be
   double largest_radius_m = 1;    ///< no sphere that fits in is larger
@@ -37,7 +37,7 @@ struct FillingOptions {
 [[nodiscard]] std::vector<StoneSphere> fillWithSpheres(const std::vector<SurfacePoint>& surface,
                                                        const DepthInSolid& depth, const FillingOptions& options);
 
-/// The same stone, larger or smaller, so that its volume is that of a sphere of the diameter `size_m`.
+/// Scales a stone so that its volume is that of a sphere of the diameter `size_m`.
 [[nodiscard]] StoneShape scaledTo(StoneShape stone, double size_m);
 
 }  // namespace haptolith

@@ -35,7 +35,7 @@ void validate(const PlacedStone& stone) {
 }  // namespace
 
 double largestSphere(const StonesParameters& stones) noexcept {
-  double largest_m = stones.count > 0 ? stones.largest_m / 2 : 0;  // what is inside is no larger than the whole
+  double largest_m = stones.count > 0 ? stones.largest_m / 2 : 0;  // the inner spheres are not larger than the stone
   for (const PlacedStone& stone : stones.placed) {
     largest_m = std::max(largest_m, stone.form == StoneForm::kSpheres ? 0 : stone.size_m / 2);
     for (const StoneSphere& sphere : stone.spheres) {

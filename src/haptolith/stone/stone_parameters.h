@@ -10,47 +10,47 @@
 
 namespace haptolith {
 
-/// What a stone looks like.
+/// Shape of a stone.
 enum class StoneForm {
   kRock,     ///< angular, as broken rock is: see angularRock()
-  kSphere,   ///< a ball
-  kSpheres,  ///< the spheres that it is made of, of a size of their own
+  kSphere,   ///< a sphere
+  kSpheres,  ///< a union of given spheres, with their own size
 };
 
-/// A stone that somebody puts somewhere.
+/// A placed stone.
 struct PlacedStone {
   StoneForm form = StoneForm::kRock;
   double size_m = 0.03;                ///< diameter of the sphere of its volume; not for kSpheres
-  std::uint64_t seed = 1;              ///< of kRock
-  std::vector<StoneSphere> spheres{};  ///< of kSpheres, in a frame of their own
-  double x_m = 0, y_m = 0;             ///< of its middle, scene frame
-  double depth_m = 0;                  ///< of its middle below the surface of the soil; negative: above it
+  std::uint64_t seed = 1;              ///< seed of kRock
+  std::vector<StoneSphere> spheres{};  ///< spheres of kSpheres, in their own frame
+  double x_m = 0, y_m = 0;             ///< its centre, scene frame
+  double depth_m = 0;                  ///< depth of its centre below the surface of the soil; negative: above it
   Vec3 turn_rad = Vec3::Zero();        ///< about x first, then y, then z
   bool fixed = false;                  ///< stays where it is, whatever pushes it: bedrock, a post
 
   [[nodiscard]] bool operator==(const PlacedStone&) const = default;
 };
 
-/// Stones in a bed: so many of random sizes at random places, and those that somebody has put somewhere.
+/// Stones in a bed: a number of random sizes at random places, and placed ones.
 ///
-/// How many of the random ones are larger than D goes as D^-exponent between the smallest and the largest, as counts of
-/// stones on the Moon do (docs/reference/scenes.md).
+/// The number of random ones larger than D is proportional to D^-exponent between the smallest and the largest, as
+/// counts of stones on the Moon do (docs/reference/scenes.md).
 struct StonesParameters {
   int count = 0;
   StoneForm form = StoneForm::kRock;  ///< not kSpheres
   double smallest_m = 0.02, largest_m = 0.05;
   double exponent = 2.5;
-  double shallowest_m = -0.01, deepest_m = 0.03;  ///< of their middles below the surface; negative: above it
+  double shallowest_m = -0.01, deepest_m = 0.03;  ///< depth of their centres below the surface; negative: above it
   std::uint64_t seed = 1;
   bool fixed = false;
-  double density_kg_m3 = 2900;  ///< of all stones, as lunar basalt's grains
+  double density_kg_m3 = 2900;  ///< density of all stones, as lunar basalt's grains
   std::vector<PlacedStone> placed{};
 
   [[nodiscard]] bool any() const noexcept { return count > 0 || !placed.empty(); }
   [[nodiscard]] bool operator==(const StonesParameters&) const = default;
 };
 
-/// What is valid of each number alone.
+/// Valid range of each number alone.
 struct StonesRanges {
   static constexpr Range count{0, 1000};
   static constexpr Range exponent{0, 10};

@@ -16,7 +16,7 @@ namespace {
 
 using Matrix3 = Eigen::Matrix3d;
 
-/// How many lines pass the union in each of two directions.
+/// Number of lines through the union in each of two directions.
 constexpr int kLines = 128;
 
 void require(const std::vector<StoneSphere>& spheres) {
@@ -53,12 +53,12 @@ void require(const std::vector<StoneSphere>& spheres) {
 struct Moments {
   double volume = 0;
   Vec3 first = Vec3::Zero();
-  Matrix3 second = Matrix3::Zero();  // of x x^T
+  Matrix3 second = Matrix3::Zero();  // integral of x x^T
 };
 
-/// Of the union, with a unit of length that it comes near to. Lines along x pass it through the middles of a grid's
-/// cells in y and z; along each of them the sum is exact, and that of the lines nearly is, as the integrand is smooth
-/// but for edges and rims.
+/// Moments of the union, with a unit of length near its size. Lines along x pass it through the centres of a grid's
+/// cells in y and z; along each of them the sum is exact, and that of the lines nearly is, because the integrand is
+/// smooth except at edges and rims.
 Moments momentsOf(const std::vector<StoneSphere>& spheres) {
   Vec3 low = spheres.front().centre_m;
   Vec3 high = low;
@@ -111,7 +111,7 @@ Moments momentsOf(const std::vector<StoneSphere>& spheres) {
 }
 
 /// Unit vectors along the principal axes as columns, the smallest moment first, and right-handed. An axis has no
-/// direction of its own: the first two point to where their largest coordinate is above 0.
+/// sign: the first two point to where their largest coordinate is above 0.
 Matrix3 principalAxes(const Matrix3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Matrix3> solver(inertia);
   Matrix3 axes = solver.eigenvectors();

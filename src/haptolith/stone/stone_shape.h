@@ -23,12 +23,12 @@ inline constexpr std::size_t kMostStoneSpheres = 500;
 /// Diameter of the sphere that has a stone's volume, in m.
 inline constexpr Range kStoneSize_m{1e-3, 10};
 
-/// A rigid stone: what soil, walls, tools and other stones touch is the union of its spheres. Its frame lies in the
+/// A rigid stone: soil, walls, tools and other stones touch the union of its spheres. The origin of its frame is the
 /// centre of its mass, along its principal axes: x along the smallest moment, z along the largest, so that a stone
 /// whose z is up lies flat.
 struct StoneShape {
   std::vector<StoneSphere> spheres;  ///< stone's frame
-  double volume_m3 = 0;              ///< of their union
+  double volume_m3 = 0;              ///< volume of their union
   Vec3 inertia_m5 = Vec3::Zero();    ///< principal moments of the union's volume: those of its mass, over its density
   double reach_m = 0;                ///< radius of the sphere about the centre of mass that holds them all
   TriangleMesh shown;                ///< for pictures, stone's frame; empty: the spheres are what it looks like
@@ -47,10 +47,10 @@ struct StoneShape {
 /// A sphere of the diameter `size_m`. @throws InvalidParameter for a size outside kStoneSize_m.
 [[nodiscard]] StoneShape roundStone(double size_m);
 
-/// An angular rock of its own, for each seed another: a ball cut by random planes, as broken rock looks, somewhat
+/// An angular rock, different for each seed: a sphere cut by random planes, like broken rock, somewhat
 /// longer than wide and wider than high; of up to 45 spheres that fill it up to its faces, scaled to the volume of a
-/// sphere of the diameter `size_m`. No sphere reaches out of what is shown; 95 % of that surface is within a twentieth
-/// of the size of their union. The same seed and size give the same bits. Not for the tick.
+/// sphere of the diameter `size_m`. No sphere reaches out of the displayed surface; 95 % of that surface is within a
+/// twentieth of the size of their union. The same seed and size give the same bits. Not for the tick.
 /// @throws InvalidParameter for a size outside kStoneSize_m.
 [[nodiscard]] StoneShape angularRock(double size_m, std::uint64_t seed);
 

@@ -20,7 +20,7 @@ class JawShell {
   /// A point near the jaw, in the frame of the flat plate: z becomes x, and the outside of the right jaw z > 0.
   struct Place {
     Vec3 flat_m;
-    double cosine, sine;  ///< of theta
+    double cosine, sine;  ///< cos theta, sin theta
   };
   [[nodiscard]] Place flattened(const Vec3& tool_m) const noexcept;
   /// A direction there, back in the tool's frame.
@@ -29,16 +29,16 @@ class JawShell {
   /// Half the height of the jaw along the tool's z, and how far its outer face reaches along x, both in m.
   [[nodiscard]] double halfHeight() const noexcept { return half_height_m_; }
   [[nodiscard]] double farthestX() const noexcept { return farthest_x_m_; }
-  /// Where the plate's point is: along it, across it, and out of it. The inverse of flattened(), for |along| <= length
-  /// / 2.
+  /// Maps a point of the flat plate (along, across, out of it) to the shell. The inverse of flattened(), for |along| <=
+  /// length / 2.
   [[nodiscard]] Vec3 onTool(const Vec3& flat_m) const noexcept;
 
  private:
   double side_, half_length_m_;
-  double end_x_m_;  ///< of the plate's middle, at its ends
+  double end_x_m_;  ///< x of the plate's mid-surface, at its ends
   double farthest_x_m_, half_height_m_;
   double bend_rad_, radius_m_;                   ///< 0: flat
-  double axis_x_m_ = 0, cosine_ = 1, sine_ = 0;  ///< of half the bend
+  double axis_x_m_ = 0, cosine_ = 1, sine_ = 0;  ///< cos and sin of half the bend
 };
 
 }  // namespace haptolith

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kDirections = 15;  // along an edge of the unfolded octahedron
 
-/// What Penetration::side keeps of a direction.
+/// Code of a direction for Penetration::side.
 int sideOf(const Vec3& outward) {
   return static_cast<std::int8_t>(directionCode(outward));
 }
@@ -26,7 +26,8 @@ double signOf(double value) {
 /// than around an edge, less than through a wall.
 constexpr double kSameSide = 0.2;
 
-/// Where the body ends from `from_m` along a unit vector, inside it or behind it; none within `longest_m`.
+/// Finds the end of the body from `from_m` along a unit vector, inside it or behind it; empty if none within
+/// `longest_m`.
 std::optional<Vec3> wayOut(const DistanceField& field, const Vec3& from_m, const Vec3& along, double longest_m) {
   HAPTO_ASSERT(field.spacing() > 0);
   HAPTO_ASSERT(longest_m >= 0);

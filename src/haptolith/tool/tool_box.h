@@ -10,9 +10,9 @@ namespace haptolith {
 
 /// The box around a tool, as the SIMD test wants it: axes of the tool in the scene, and how far it reaches along them.
 struct ToolBox {
-  std::array<float, 3> origin_m;                ///< of the tool, scene frame
+  std::array<float, 3> origin_m;                ///< tool's origin, scene frame
   std::array<std::array<float, 3>, 3> axes;     ///< x, y and z of the tool, scene frame
-  std::array<float, 3> middle_m, half_edges_m;  ///< of the box, along the axes, from the origin
+  std::array<float, 3> middle_m, half_edges_m;  ///< centre and half edges of the box, along the axes, from the origin
 };
 [[nodiscard]] ToolBox boxAround(const ToolParameters& tool, const Pose& scene_T_tool) noexcept;
 

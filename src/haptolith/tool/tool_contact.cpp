@@ -45,7 +45,7 @@ Float4 float4(const Vec3& v) noexcept {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), 0};
 }
 
-/// How much of the tool's movement a contact really takes up: 1 when the particle stays where it is, 0 when it is
+/// Fraction of the tool's movement that a contact takes up: 1 when the particle stays where it is, 0 when it is
 /// pushed along, carried or flees. Speeds of the tool against the particle, and of the tool.
 double heldShare(double closing_m_s, double tool_speed_m_s) noexcept {
   return tool_speed_m_s == 0 ? 1 : std::clamp(closing_m_s / tool_speed_m_s, 0.0, 1.0);
@@ -97,7 +97,7 @@ class FrictionalTool {
     const double limit = coefficient_ * (spring + adhesion.weight);
     const double slack_m = limit > 0 ? limit / tangential_stiffness_ : 0;
 
-    const Vec3 sliding = -meeting.approach() + closing * n;  // of the particle along the tool
+    const Vec3 sliding = -meeting.approach() + closing * n;  // velocity of the particle along the tool
     law::Triple<double> slip{slip_m.x(), slip_m.y(), slip_m.z()};
     const law::Triple<double> drag = law::frictionForce<double>(friction_, slack_m, {n.x(), n.y(), n.z()},
                                                                 {sliding.x(), sliding.y(), sliding.z()}, slip);
@@ -106,7 +106,7 @@ class FrictionalTool {
     answer.on_particle_n = (push - adhesion.pull) * n + Vec3(drag.x, drag.y, drag.z);
     if (push > 0) {
       answer.stiffness_n_m = stiffness_ * heldShare(closing, n.dot(meeting.tool_m_s)) * n * n.transpose();
-      if (dot(drag, drag) < kSticks * limit * limit) {  // a particle that sticks holds the tool along its surface, too
+      if (dot(drag, drag) < kSticks * limit * limit) {  // a sticking particle also resists the tool along its surface
         const Vec3 tool_along = meeting.tool_m_s - n.dot(meeting.tool_m_s) * n;
         const double along = tool_along.norm();
         const double held = heldShare(along > 0 ? -sliding.dot(tool_along) / along : 0, along);
@@ -160,7 +160,7 @@ class Tangents {
   Columns turned_;
 };
 
-/// What one of two jaws remembers of a particle's slip, tool frame: see ToolMemory.
+/// Slip of a particle on one of two jaws, tool frame: see ToolMemory.
 Vec3 slipAlong(const Float4& kept, std::size_t jaw, const Vec3& normal) {
   HAPTO_ASSERT(jaw < 2);
   return Tangents(normal).along(jaw == 0 ? Eigen::Vector2d(kept.x, kept.y) : Eigen::Vector2d(kept.z, kept.w));
@@ -208,8 +208,8 @@ class Encounter {
   /// From the tool's origin to the centre of a particle it may touch.
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
 
-  /// Meets particles first..last-1, a group or what there is of it. Who is further from the box around the tool than
-  /// contact reaches is not looked at more closely: it has let go of the tool, and forgets it.
+  /// Computes contacts of particles first..last-1, a group or a part of one. Particles further from the box around the
+  /// tool than contact reaches are skipped: their contact has ended, and their memory is cleared.
   void meet(std::size_t first, std::size_t last, const BedState& state, const ToolMemory& memory,
             std::vector<Float4>& forces) noexcept {
     HAPTO_ASSERT(first % kGroup == 0 && first < last && last <= first + kGroup);
@@ -218,7 +218,7 @@ class Encounter {
     HAPTO_ASSERT(!contact_friction_ || memory.slip.size() >= last);
     const std::uint32_t near = nearBox(box_, around_m_, state.position.data() + first);
     if (near == 0 && isForgotten(first, last, memory, forces)) {
-      return;  // what is written is taken from the caches of the threads that step the bed
+      return;  // writing would invalidate the caches of the threads that step the bed
     }
     for (std::size_t i = first; i < last; ++i) {
       if ((near >> (i - first) & 1) != 0 && !state.isHeld(i)) {
@@ -299,11 +299,11 @@ class Encounter {
   struct Grain {
     Vec3 lever_m;
     double radius_m;
-    Twist twist;  ///< of its centre
+    Twist twist;  ///< twist of its centre
     const FrictionalTool* law;
   };
 
-  /// @param kept  null without contact friction. @param also  is told each answer, and where.
+  /// @param kept  null without contact friction. @param also  is called with each reaction and its place.
   template <class Also>
   Float4 meet(const Grain& grain, std::int8_t& side, Float4* kept, const Also& also) noexcept {
     if (tool_.shape == ToolShape::kJaws) {
@@ -329,7 +329,7 @@ class Encounter {
     return float4(answer.on_particle_n);
   }
 
-  /// Where and how it touches, scene frame.
+  /// Place and depth of a contact, scene frame.
   struct Touch {
     Vec3 outward, point_m;  ///< on the tool's surface, from its origin
     double depth_m;
@@ -352,7 +352,7 @@ class Encounter {
     reaction_.stiffness_n_m += answer.stiffness_n_m;
   }
 
-  /// The same with both jaws, each of which moves by itself. @param kept  null without contact friction.
+  /// As above with both jaws, each of which moves independently. @param kept  null without contact friction.
   template <class Also>
   Float4 meetJaws(const Grain& grain, std::int8_t& sides, Float4* kept, const Also& also) noexcept {
     const JawContacts contacts = jawContacts(tool_, rotation_.transpose() * grain.lever_m, grain.radius_m, sides);
@@ -361,7 +361,7 @@ class Encounter {
     for (std::size_t i = 0; i < 2; ++i) {
       const JawContact& jaw = contacts.jaws[i];
       const Touch touch = touchOf(jaw.found, grain);
-      const Vec3 away = (i == 0 ? -0.5 : 0.5) * rotation_.col(0);  // how it moves when the jaws open
+      const Vec3 away = (i == 0 ? -0.5 : 0.5) * rotation_.col(0);  // its velocity per opening speed of the jaws
       Vec3 slip = Vec3::Zero();
       if (kept != nullptr) {
         slip = rotation_ * slipAlong(*kept, i, jaw.found.outward);
@@ -389,7 +389,7 @@ class Encounter {
   FrictionalTool with_stones_;
   double radius_m_, dt_s_;
   bool contact_friction_;
-  static constexpr double kRounding_m = 2e-6;  // of the box's test, in single precision
+  static constexpr double kRounding_m = 2e-6;  // rounding of the box's test, in single precision
   double contact_m_;                           // from the tool's surface to the centre of a particle that feels it
   float around_m_;
   double enclosing_m_, reach_m_;

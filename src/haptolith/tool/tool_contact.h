@@ -20,32 +20,32 @@ namespace haptolith {
 [[nodiscard]] double toolForce(const ToolParameters& tool, double radius_m, double dt_s, double depth_m,
                                double closing_m_s) noexcept;
 
-/// What a tool adds to the stiffness of a particle as the step feels it, for substepsFor(), in N/m: k_tool, twice where
+/// Contribution of a tool to a particle's stiffness for substepsFor(), in N/m: k_tool, twice where
 /// jaws hold the particle from both sides. With contact friction its damper comes to it, 2 c_tool / dt: the step bears
 /// dt^2 k + 2 dt c. The paper's steps have room for it.
 [[nodiscard]] double stiffnessInStep(const ToolParameters& tool, FrictionModel friction) noexcept;
 
-/// How far from the tool's surface the centre of a particle may be that feels it, in m.
+/// Largest distance of a particle's centre from the tool's surface at which a force acts, in m.
 [[nodiscard]] double contactReach(const ToolParameters& tool, const SoilParameters& soil) noexcept;
 
-/// The same of any sphere in a bed, of its stones, too.
+/// As above for any sphere in a bed, those of stones included.
 [[nodiscard]] double contactReach(const ToolParameters& tool, const BedParameters& bed) noexcept;
 
-/// What the soil does to the tool.
+/// Reaction of the soil on the tool.
 struct ToolReaction {
   Wrench wrench;  ///< about the tool's origin, scene frame
-  /// How the force changes when the tool moves a little and the particles go on as they do: dF = -stiffness dx. The sum
-  /// of k_tool s n n^T over the contacts, in N/m, scene frame; n is the normal, s the share of the tool's speed along n
-  /// that the contact takes up: 1 when the particle stays where it is, 0 when it moves with the tool.
+  /// Derivative of the force by a small movement of the tool, with unchanged particle velocities: dF = -stiffness dx.
+  /// The sum of k_tool s n n^T over the contacts, in N/m, scene frame; n is the normal, s the fraction of the tool's
+  /// speed along n that the contact takes up: 1 when the particle stays where it is, 0 when it moves with the tool.
   Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
-  /// How hard the soil pushes jaws apart, > 0 opening them: half the difference of its forces on the right and the left
-  /// jaw, along the tool's x. With it, wrench times twist and grip_n times opening speed are the power of the soil on
-  /// the tool. 0 with other tools.
+  /// Force of the soil that opens the jaws, > 0 opening them: half the difference of its forces on the right and the
+  /// left jaw, along the tool's x. With it, wrench times twist and grip_n times opening speed are the power of the soil
+  /// on the tool. 0 with other tools.
   double grip_n = 0;
 };
 
-/// What the tool's contact remembers of every particle: which large face of the tool it lies on, and, with contact
-/// friction, how far it has slid along the tool, in m, tool frame. With jaws it is the sides of both (see JawContacts),
+/// Memory of the tool's contact for every particle: the large face of the tool that it touches, and, with contact
+/// friction, its slip along the tool, in m, tool frame. With jaws it is the sides of both (see JawContacts),
 /// and of both slips, which are along a surface, the two numbers that are not 0.
 struct ToolMemory {
   std::vector<std::int8_t>& side;
@@ -69,7 +69,7 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
                               const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
                               std::vector<Float4>& forces, double opening_m_s = 0) noexcept;
 
-/// The same for a tool in a bed: only particles near it are looked at.
+/// As above for a tool in a bed: only particles near it are checked.
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
                               Bed& bed, double opening_m_s = 0) noexcept;
 

@@ -17,7 +17,7 @@ namespace haptolith {
 
 namespace {
 
-/// How far distances are known, in m: the same for many soils, so that a soil can be changed without a wait.
+/// Widths of distance fields, in m: equal for many soils, so that a soil can be changed without a wait.
 constexpr std::array kBands_m{5e-3, 10e-3, 15e-3, 20e-3, kFieldBand_m.highest};
 
 constexpr std::size_t kMostShownTriangles = 100'000;
@@ -38,7 +38,7 @@ Eigen::Matrix3d turned(const Vec3& turn_rad) {
       .toRotationMatrix();
 }
 
-/// What a step of the making gives; what it refuses is said of the file.
+/// Runs a step of the construction; its errors name the file.
 template <class Step>
 auto ofFile(const std::string& name, Step step) {
   try {

@@ -60,9 +60,9 @@ struct ToolParameters {
   [[nodiscard]] bool operator==(const ToolParameters&) const = default;
 };
 
-/// What is valid; read by validate(), scene files and the page's commands alike.
+/// Valid ranges; read by validate(), scene files and the page's commands alike.
 struct ToolRanges {
-  static constexpr Range length_m{1e-5, 10};  ///< of edges, diameter, thickness, opening and length
+  static constexpr Range length_m{1e-5, 10};  ///< edges, diameter, thickness, opening and length
   static constexpr Range cone_angle_rad{0.1, 3};
   static constexpr Range jaw_bend_rad{0, std::numbers::pi};
   static constexpr Range stiffness_n_m{0, 1e7};

@@ -13,7 +13,7 @@ namespace haptolith {
 namespace {
 
 constexpr int kSides = 64;
-constexpr int kRings = kSides / 2;  // of a sphere, from pole to pole
+constexpr int kRings = kSides / 2;  // rings of a sphere, from pole to pole
 
 /// A closed solid; faces counter-clockwise seen from outside.
 struct Solid {
@@ -31,7 +31,7 @@ Solid box(const Vec3& size_m) {
   return solid;
 }
 
-/// What a line from one end of the axis to the other sweeps; its points off the axis, upwards, in between.
+/// Solid of revolution of a line from one end of the axis to the other; its points off the axis, upwards, in between.
 Solid turned(double low_m, double high_m, const std::vector<std::pair<double, double>>& radius_and_z_m) {
   Solid solid;
   solid.points_m = {Vec3(0, 0, low_m), Vec3(0, 0, high_m)};

@@ -24,10 +24,10 @@ struct ToolPart {
   [[nodiscard]] bool operator==(const ToolPart&) const = default;
 };
 
-/// What is valid of a ToolPart, along each axis; read by validate() and scene files alike.
+/// Valid ranges of a ToolPart, along each axis; read by validate() and scene files alike.
 struct ToolPartRanges {
   static constexpr Range length_m{0.5e-3, 1};  ///< thinner than a wall of a mesh cannot be felt on both sides
-  static constexpr Range count{1, 64};         ///< of parts: a short file must not ask for gigabytes
+  static constexpr Range count{1, 64};         ///< number of parts: a short file must not need gigabytes
   static constexpr Range at_m{-1, 1};
   static constexpr Range turn_rad{-2 * std::numbers::pi, 2 * std::numbers::pi};
 };
@@ -35,7 +35,7 @@ struct ToolPartRanges {
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const ToolPart& part);
 
-/// The parts as an OBJ file in mm, closed, each by itself: what lies in any of them is solid. Round ones have 64 sides,
+/// The parts as an OBJ file in mm, each closed: the inside of any of them is solid. Round ones have 64 sides,
 /// whose corners lie on the surface, so that they are 0.12 % of their radius too small between them.
 /// @throws InvalidParameter as validate(), and for too many parts.
 [[nodiscard]] std::string drawn(std::span<const ToolPart> parts);

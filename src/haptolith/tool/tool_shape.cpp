@@ -92,7 +92,7 @@ Penetration tube(const ToolParameters& tool, const Vec3& centre_m, double radius
           .side = 0};
 }
 
-/// Beside the tool: the nearest point of a rim or an edge decides, which is never in doubt there.
+/// Next to the tool: the nearest point of a rim or an edge decides, which is unique there.
 Penetration beside(const Outline& outline, double half_height_m, const Vec3& centre_m, double radius_m) {
   HAPTO_ASSERT(half_height_m > 0);
   Vec3 nearest = outline.nearest_m;
@@ -100,7 +100,7 @@ Penetration beside(const Outline& outline, double half_height_m, const Vec3& cen
   const Vec3 away = centre_m - nearest;
   const double distance = away.norm();
   const int side = centre_m.z() > half_height_m ? 1 : centre_m.z() < -half_height_m ? -1 : 0;
-  // A centre on the rim to the last bits has no direction of its own.
+  // A centre exactly on the rim has no direction.
   constexpr double kOnTheRim_m = 1e-9;
   return {.depth_m = radius_m - distance,
           .outward = distance > kOnTheRim_m ? Vec3(away / distance) : outline.outward,
@@ -162,7 +162,7 @@ Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double
     Penetration found = outline.inside_m < 0 ? beside(outline, half_height_m, centre_m, radius_m)
                                              : overFace(outline, half_height_m, centre_m, radius_m, side);
     if (found.depth_m < -tool.adhesion_ratio * radius_m) {
-      found.side = 0;  // it has let go
+      found.side = 0;  // contact has ended
     }
     return found;
   };

@@ -7,11 +7,11 @@
 
 namespace haptolith {
 
-/// Where a particle's centre stands against a tool: how deep its sphere reaches in, and which way is out.
+/// Overlap of a particle with a tool: depth of its sphere, and the way out.
 struct Penetration {
   double depth_m = 0;            ///< z of (paper 21): > 0 overlapping, < 0 the gap between the surfaces
   Vec3 outward = Vec3::UnitZ();  ///< unit normal from the tool to the particle, tool frame
-  int side = 0;                  ///< large face the particle lies on: +1, -1, or 0 (beside the tool, or a sphere);
+  int side = 0;                  ///< large face the particle lies on: +1, -1, or 0 (next to the tool, or a sphere);
                                  ///< with a mesh, a direction: see meshPenetration()
 };
 
@@ -21,15 +21,15 @@ struct Penetration {
 /// particle is pushed in by half the thickness, and shoot it through. Therefore a particle keeps the large face it came
 /// to: as long as its centre is over that face it is measured from there, until it has left the face's outline, has let
 /// go of it, or lies wholly on the other side.
-/// Jaws are two tools in one: see jawContacts(). Of a mesh, `side` is a direction: see meshPenetration().
+/// Jaws are two tools in one: see jawContacts(). For a mesh, `side` is a direction: see meshPenetration().
 /// @param side  what the last call for this particle returned; 0 at first.
 [[nodiscard]] Penetration penetration(const ToolParameters& tool, const Vec3& centre_m, double radius_m,
                                       int side) noexcept;
 
-/// What one of two jaws is to a particle.
+/// Contact of a particle with one of two jaws.
 struct JawContact {
   Penetration found;
-  double share = 1;  ///< of the contact's force that counts
+  double share = 1;  ///< fraction of the contact's force that counts
 };
 struct JawContacts {
   std::array<JawContact, 2> jaws;  ///< left, at x < 0, and right
@@ -37,7 +37,7 @@ struct JawContacts {
 };
 
 /// Penetration of a sphere into both of the jaws, `tool.opening_m` apart. Each jaw is a box (see penetration()), bent
-/// to a shell where `jaw_bend_rad` says so (JawShell), and a particle between the two touches both. Where they make up
+/// to a shell by `jaw_bend_rad` (JawShell), and a particle between the two touches both. Where they make up
 /// one surface, as closed jaws do, it must not be pushed twice: of two contacts with depths d1 >= d2 and normals that
 /// agree, the force is shared so that together they push
 ///

@@ -36,7 +36,7 @@ struct OutlinePoint {
   double radius_m, z_m;
 };
 
-/// What an outline sweeps round the z axis: its first and last points lie on the axis, or it is closed.
+/// Surface of revolution of an outline about the z axis: its first and last points lie on the axis, or it is closed.
 ToolSurface turned(const std::vector<OutlinePoint>& outline) {
   ToolSurface surface;
   std::vector<std::int32_t> first;  // point of each of the outline's; one on the axis has a single one

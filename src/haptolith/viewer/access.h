@@ -6,8 +6,8 @@
 
 namespace haptolith {
 
-/// Who may connect to the view. A page that somebody has open may ask any server on the machine for anything, and is
-/// known only by its Origin; a name that an attacker points at 127.0.0.1 is known by the Host.
+/// Access control of the view. Any open web page may send requests to any server on the machine, and is
+/// identified only by its Origin; a name that an attacker points at 127.0.0.1 is known by the Host.
 
 /// Whether an address is one that only this machine reaches: 127.0.0.0/8, ::1 or localhost.
 [[nodiscard]] bool isLoopback(std::string_view address);
@@ -18,17 +18,17 @@ namespace haptolith {
 /// Whether a page from `origin` ("http://localhost:8080") came from the host it now speaks to ("localhost:8080").
 [[nodiscard]] bool isFromHere(std::string_view origin, std::string_view host);
 
-/// Value of `token` in the query of a request's target; empty when there is none. %xx and + are not decoded: tokens
-/// have no such letters.
+/// Value of `token` in the query of a request's target; empty without one. %xx and + are not decoded: tokens
+/// have no such characters.
 [[nodiscard]] std::string_view tokenOf(std::string_view target);
 
-/// Compares without telling by its duration how much was right.
+/// Compares in constant time.
 [[nodiscard]] bool sameToken(std::string_view a, std::string_view b) noexcept;
 
-/// How long a token may be that somebody has thought up.
+/// Length limits of a user's token.
 inline constexpr std::size_t kShortestToken = 16, kLongestToken = 128;
 
-/// @param key  where the token is from; the token itself is not told again. @throws InvalidParameter for a token that
+/// @param key  where the token is from; the token itself is not repeated. @throws InvalidParameter for a token that
 /// is too short to be hard to guess, or has letters that an address would have to write another way.
 void requireGoodToken(std::string_view token, std::string_view key);
 

@@ -13,13 +13,13 @@ struct BesideSnapshot;
 struct FrameSpace;
 struct SceneSnapshot;
 
-/// What every client shall see: the scene, the status, the newest picture. One thread puts it up; others ask what there
-/// is that a client has not seen yet. A client that asks seldom misses what lies between: nothing is queued for it.
+/// State for every client: the scene, the status, the newest picture. One thread posts it; others fetch the part that
+/// a client has not seen yet. A slow client misses intermediate states: nothing is queued for it.
 class Board {
  public:
-  /// What one client has seen already.
+  /// State that one client has seen.
   struct Seen {
-    bool nameless = false;  ///< is not told what soil and world it sees
+    bool nameless = false;  ///< receives no names of soil and world (blinded)
     bool hello = false;
     std::uint32_t scene = 0, status = 0, frame = 0;
   };
@@ -33,12 +33,12 @@ class Board {
     std::string whole, nameless;
   };
 
-  /// The first message to everybody is `hello`, in which "$client" stands for the client's number.
+  /// The first message to each client is `hello`, in which "$client" stands for the client's number.
   explicit Board(Texts hello);
   explicit Board(const std::string& hello);
   ~Board();
 
-  /// Another scene, or other values of the one that is shown. With `particles` pictures begin anew.
+  /// Sets another scene, or other values of the current one. With `particles` pictures restart.
   void setScene(const Texts& texts);
   void setScene(const Texts& texts, std::uint32_t scene, std::size_t particles, const FrameSpace& space);
   void setStatus(const Texts& texts);

@@ -20,7 +20,7 @@ constexpr double kMm = 1e-3;  // m
 constexpr int kMostTicks = 1000;
 constexpr double kLargestNumber = 1e9;
 constexpr int kDeepest = 8;
-constexpr std::uint64_t kLargestWhole = (std::uint64_t{1} << 53) - 1;  // of the numbers of a page
+constexpr std::uint64_t kLargestWhole = (std::uint64_t{1} << 53) - 1;  // largest exact whole number in JavaScript
 constexpr std::string_view kForGuest = "study";
 
 template <class Table>

@@ -14,11 +14,11 @@
 
 namespace haptolith {
 
-/// What a client may colour particles by, and whether that takes their contact forces.
+/// Quantities by which a client may colour particles, and whether they need contact forces.
 inline constexpr std::array kColourWords{SceneWord{"plain", false}, SceneWord{"force", true}, SceneWord{"speed", false},
                                          SceneWord{"depth", false}, SceneWord{"sleep", false}};
 
-/// What a client of the view asks for: docs/reference/web-protocol.md.
+/// Requests of a client of the view: docs/reference/web-protocol.md.
 namespace command {
 
 struct Hold {
@@ -64,8 +64,9 @@ using Command = std::variant<command::Hold, command::Release, command::Play, com
 /// A message of a client, taken apart as far as that went.
 struct ClientMessage {
   bool wants_reply = false;
-  std::optional<std::int64_t> id;  ///< of the reply; none: no reply is wanted, or the id is the reason for the refusal
-  std::optional<Command> command;  ///< none: it is refused, or the guest's
+  std::optional<std::int64_t>
+      id;  ///< id of the reply; empty: no reply is requested, or the id is the reason for the refusal
+  std::optional<Command> command;  ///< empty: it is refused, or the guest's
   bool confirmed = false;          ///< it is known that a person feels what it changes
   bool for_guest = false;          ///< "do": "study": not the view's to understand
   std::string refused;             ///< why

@@ -62,7 +62,7 @@ double surfaceOf(const ScenePicture& picture, const BedParameters& bed) {
   return *middle;
 }
 
-/// What the page draws, of a recording's picture; what the picture does not know stays as it was.
+/// Copies a recording's picture to the page's snapshot; values absent from the picture stay unchanged.
 void show(SceneSnapshot& snapshot, const ScenePicture& picture) {
   snapshot.time_s = picture.time_s;
   snapshot.ticks = picture.tick;
@@ -76,7 +76,7 @@ void show(SceneSnapshot& snapshot, const ScenePicture& picture) {
   if (picture.tool) {
     snapshot.scene_T_tool = picture.tool->pose;
     snapshot.opening_m = picture.tool->opening_m;
-    snapshot.device_wrench_in_scene = picture.tool->soil;  // what the device was sent is not in pictures
+    snapshot.device_wrench_in_scene = picture.tool->soil;  // the device wrench is not in pictures
   }
   if (!picture.stones.empty()) {
     snapshot.stones.clear();

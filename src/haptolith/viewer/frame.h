@@ -17,9 +17,9 @@ struct FrameSpace {
   Vec3 low_m, high_m;
 };
 
-/// What a snapshot does not know.
+/// Data in addition to a snapshot.
 struct BesideSnapshot {
-  std::optional<Pose> wanted = {};  ///< where the hand wants the tool
+  std::optional<Pose> wanted = {};  ///< target of the tool
   bool held = false;
   std::span<const float> load_n = {};  ///< contact force of each particle; empty: unknown
 };
@@ -39,8 +39,8 @@ class FrameEncoder {
   [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
   [[nodiscard]] bool hasPicture() const noexcept { return number_ != after_; }
 
-  /// The newest picture for somebody who has seen picture number `seen`; everything for one who has seen none (0).
-  /// Clients that have seen the same share one buffer.
+  /// The newest picture for a client that has seen picture number `seen`; complete for a new one (0).
+  /// Clients in the same state share one buffer.
   [[nodiscard]] std::shared_ptr<const std::string> frameSince(std::uint32_t seen);
 
   [[nodiscard]] const FrameSpace& space() const noexcept { return space_; }
@@ -68,9 +68,9 @@ class FrameEncoder {
   std::vector<Float4> before_;          ///< positions in the snapshot before, m
   double before_s_ = 0;
 
-  // Of the last snapshot.
+  // Values of the last snapshot.
   Pose tool_, wanted_;
-  Wrench shown_wrench_;  ///< what the device was sent, turned into the scene's axes
+  Wrench shown_wrench_;  ///< device wrench in scene axes
   std::vector<Pose> stones_;
   double time_s_ = 0, tick_us_ = 0, opening_m_ = 0;
   std::uint32_t misses_ = 0, awake_ = 0;

@@ -16,8 +16,8 @@
 #include "haptolith/core/process/child_process.h"
 
 // Chromium is steered through two pipes with JSON messages that end in a zero byte (--remote-debugging-pipe; the
-// commands are those of https://chromedevtools.github.io/devtools-protocol). A port would do the same, but to everybody
-// on the machine; and when a pipe closes, because we have crashed, Chromium ends by itself.
+// commands are those of https://chromedevtools.github.io/devtools-protocol). A port would be open to every user
+// of the machine; and when a pipe closes after a crash of this program, Chromium ends.
 
 namespace haptolith {
 
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 constexpr auto kTimeout = 300s;
 constexpr auto kPatienceAtTheEnd = 3s;
 
-/// Where Chromium expects the pipes.
+/// Descriptors at which Chromium expects the pipes.
 constexpr int kItReads = 3;
 constexpr int kItWrites = 4;
 
@@ -100,7 +100,7 @@ std::string chromium() {
 ChildProcess::Command commandFor(const HeadlessBrowser::Options& options, const std::string& folder) {
   ChildProcess::Command command{
       .arguments = {chromium(), "--headless=new", "--remote-debugging-pipe", "--user-data-dir=" + folder,
-                    // The same picture with and without a graphics card.
+                    // Equal pictures with and without a graphics card.
                     "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-device-scale-factor=1",
                     "--force-color-profile=srgb", "--hide-scrollbars", "--mute-audio",
                     fmt::format("--window-size={},{}", options.width_px, options.height_px),
@@ -196,7 +196,7 @@ class HeadlessBrowser::Implementation {
     return message;
   }
 
-  /// Tells the last of what it said: there the reason stands.
+  /// Throws with the end of its output, which has the reason.
   [[noreturn]] void throwBecauseItEnded() const {
     constexpr std::size_t kMost = 600;
     std::string words = contentOf(words_);
@@ -209,9 +209,9 @@ class HeadlessBrowser::Implementation {
   const Options options_;
   TemporaryFolder folder_;
   Pipe to_, from_;
-  Descriptor words_;  ///< what it says on standard output and error
+  Descriptor words_;  ///< its standard output and error
   ChildProcess process_;
-  std::string session_;  ///< of the page; empty: messages go to the browser
+  std::string session_;  ///< session of the page; empty: messages go to the browser
   std::string received_;
   int id_ = 0;
 };

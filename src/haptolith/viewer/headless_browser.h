@@ -10,16 +10,16 @@
 namespace haptolith {
 
 /// Chromium without a window, for pictures of the page. It draws without a graphics card, so that a picture does not
-/// depend on the machine, and it has a folder of its own that goes with it: nothing is left of it. Not for the tick.
+/// depend on the machine, and its folder is deleted with it. Not for the tick.
 class HeadlessBrowser {
  public:
   struct Options {
     int width_px = 1280, height_px = 720;
-    std::function<bool()> stopped;  ///< whether nobody wants the picture any more
+    std::function<bool()> stopped;  ///< whether the picture is no longer needed
   };
 
   /// Starts it; $HAPTOLITH_CHROMIUM names another than the one found in PATH.
-  /// @throws Failure when there is none, naming the Debian package, or it does not start.
+  /// @throws Failure when it is missing, naming the Debian package, or it does not start.
   explicit HeadlessBrowser(const Options& options);
   ~HeadlessBrowser();
 
@@ -30,7 +30,7 @@ class HeadlessBrowser {
   /// The value of a JavaScript expression; when that is a promise, what it resolves to.
   nlohmann::json evaluate(std::string_view expression);
 
-  /// What the page shows, as the bytes of a PNG: a small one to keep, or a quick one for a film.
+  /// Picture of the page as the bytes of a PNG: a small one to keep, or a quick one for a film.
   enum class Png { kSmall, kQuick };
   std::string screenshot(Png png);
 

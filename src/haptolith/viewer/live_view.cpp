@@ -92,7 +92,7 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
     return error.what();
   } catch (const Failure& error) {
     return error.what();
-  } catch (const std::exception& error) {  // no thread or no memory: what somebody looking on asks for ends no run
+  } catch (const std::exception& error) {  // no thread or no memory: a client's request must not end a run
     return fmt::format("this cannot be done now: {}", error.what());
   }
   return {};

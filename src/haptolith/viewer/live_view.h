@@ -19,14 +19,14 @@
 
 namespace haptolith {
 
-/// A session in the browser: shows it to viewers, and does what they ask for. Stands between the session,
-/// which it asks on the thread that calls it, and the server, which has a thread of its own; the loop knows of neither.
+/// A session in the browser: shows it to viewers, and carries out their requests. Connects the session,
+/// which it calls on its caller's thread, and the server, which has a separate thread; the loop depends on neither.
 class LiveView {
  public:
-  /// Who writes what clients ask to be recorded; without functions nothing is.
+  /// Recorder for the clients' requests; without functions nothing is recorded.
   struct Recorder {
     std::function<void()> start, stop;  ///< may throw Failure
-    std::function<std::string()> name;  ///< of the file while there is one, else empty
+    std::function<std::string()> name;  ///< name of the current file, else empty
   };
 
   /// Another part of the program that talks with clients over the view's WebSocket, on the thread that calls
@@ -61,7 +61,7 @@ class LiveView {
   /// Shows what is new. `newer` and `changed` are what Session::update() and poll() said.
   void show(bool newer, bool changed);
 
-  /// How a robot that follows the tool fares: shown with the next status. None: there is none.
+  /// State of the following robot, sent with the next status; empty if there is none.
   void setRobot(std::optional<RobotShown> robot) { robot_ = std::move(robot); }
 
   /// Sends a client a message of the extension's, a whole JSON object. A client that lets too many wait is dropped; for

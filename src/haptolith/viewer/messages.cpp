@@ -55,8 +55,8 @@ OrderedJson analysedDensity(const SoilParameters& soil, double gravity_m_s2) {
 }
 
 /// Friction angle, cohesion and density that the soil shows: a named soil's as they were measured, a preset's as
-/// (paper 17, 18) and the analysis of its layers have them. rho0 is neither's: it is that of the surface alone. Nothing
-/// is known of a named soil whose numbers have been changed, but for the density where only its contacts are others.
+/// (paper 17, 18) and the analysis of its layers have them. rho0 is neither's: it is that of the surface alone. For
+/// a named soil with changed numbers nothing is known, except the density if only its contacts differ.
 OrderedJson measuresOf(const SceneFile& scene_file) {
   const SoilParameters& soil = scene_file.bed.soil;
   OrderedJson measures{{"friction_angle_deg", nullptr}, {"cohesion_pa", nullptr}, {"bulk_density_kg_m3", nullptr}};
@@ -124,7 +124,7 @@ OrderedJson soilJson(const SceneFile& scene_file) {
   return soil;
 }
 
-/// How many grains of which radius, in the order of a frame's particles.
+/// Number of particles per radius, in the order of a frame's particles.
 OrderedJson grainsJson(const std::vector<Bed::GrainRun>& runs, double radius_m) {
   OrderedJson grains = OrderedJson::array();
   for (const Bed::GrainRun& run : runs) {

@@ -20,13 +20,13 @@ namespace haptolith {
 
 /// The JSON messages of docs/reference/web-messages.md. The nameless ones name no soil, world, preset or file.
 
-/// "$client" in it stands for the number of the client it goes to: see Board.
+/// "$client" in it is replaced by the number of the receiving client: see Board.
 [[nodiscard]] Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_uploads);
 
-/// What a stone looks like: its mesh, or its spheres where it has none.
+/// Shape of a stone: its mesh, or its spheres without one.
 [[nodiscard]] nlohmann::ordered_json stoneJson(const StoneShape& stone);
 
-/// A scene that somebody looks at.
+/// A scene in a viewer.
 struct SceneLookedAt {
   const SceneFile& scene_file;  ///< as it is wanted
   const SoilParameters& soil;   ///< as it is shown
@@ -34,7 +34,7 @@ struct SceneLookedAt {
   std::vector<Bed::GrainRun> grains;
   double surface_m = 0;
   Manoeuvre manoeuvre = Manoeuvre::kStill;
-  Vec3 low_m, high_m;  ///< where the tool may be
+  Vec3 low_m, high_m;  ///< range of the tool
   std::vector<std::shared_ptr<const StoneShape>> stones = {};
 };
 [[nodiscard]] Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space);
@@ -48,17 +48,17 @@ struct RobotShown {
   std::string state;                ///< "following"
   std::string reason;               ///< why it stopped; empty: it has not
   bool heard = false;               ///< lately
-  std::uint64_t behind = 0;         ///< ticks since the command that it was last heard to have come to
-  double round_trip_s = 0;          ///< of a packet
-  Pose scene_T_tool;                ///< of its tool then, as if its soil's surface were this one's
-  Vec3 displayed_n = Vec3::Zero();  ///< at the newest commands of which both are known,
-  Vec3 met_n = Vec3::Zero();        ///< and what the robot met there
-  /// What the soil has learned to be like; each the lower end of 90 %, the middle, the upper end.
+  std::uint64_t behind = 0;         ///< ticks since its last reported command
+  double round_trip_s = 0;          ///< round trip of a packet
+  Pose scene_T_tool;                ///< pose of its tool then, as if its soil's surface were this one's
+  Vec3 displayed_n = Vec3::Zero();  ///< at the newest command with both forces known,
+  Vec3 met_n = Vec3::Zero();        ///< and the remote force there
+  /// Learned soil; each value with the lower end of 90 %, the centre, the upper end.
   struct Learned {
     std::array<double, 3> friction_angle_deg{}, cohesion_pa{}, tool_friction_angle_deg{};
   };
-  std::optional<Learned> learned;  ///< none: nothing yet
-  /// What it sees of its site: heights over the site's first surface, row by row along x, in m; NaN: not known.
+  std::optional<Learned> learned;  ///< empty: nothing yet
+  /// Its view of the site: heights over the site's first surface, row by row along x, in m; NaN: not known.
   struct Site {
     double x_m = 0, y_m = 0;  ///< corner of the first cell
     double cell_m = 0;
@@ -68,7 +68,7 @@ struct RobotShown {
   std::optional<Site> site;  ///< none: it has shown nothing
 };
 
-/// What a session does not know about itself.
+/// Status in addition to the session's own.
 struct StatusBeside {
   double rate_hz = 0;  ///< ticks a second, lately
   std::size_t clients = 0;
@@ -79,8 +79,8 @@ struct StatusBeside {
 };
 [[nodiscard]] Board::Texts statusMessages(const Session& session, const StatusBeside& beside);
 
-/// @param id  null in the reply when there is none that can be repeated.
-/// @param refused  why it was not done; empty: it was.
+/// @param id  null in the reply when no id can be repeated.
+/// @param refused  reason of the refusal; empty: accepted.
 [[nodiscard]] std::string replyMessage(std::optional<std::int64_t> id, std::string_view refused);
 
 }  // namespace haptolith

@@ -23,7 +23,7 @@ constexpr double kAtRest_m_s = 1e-4;
 constexpr int kWaitingPorts = 100;  ///< as WebServer
 constexpr int kPatience_ms = 100;
 
-/// A socket that listens on an IPv4 address; -1: there is none.
+/// Opens a socket that listens on an IPv4 address; -1 on failure.
 int listenOn(const std::string& bind_to, std::uint16_t port) {
   sockaddr_in address{};
   address.sin_family = AF_INET;

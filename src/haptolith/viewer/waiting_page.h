@@ -11,7 +11,7 @@
 namespace haptolith {
 
 /// Fraction of settling that is done, 0 to 1, estimated from the speed of the fastest particle: its logarithm falls
-/// about evenly from the fastest so far to rest. Never falls.
+/// about evenly from the fastest so far to rest. Never decreases.
 class SettledFraction {
  public:
   double update(double speed_m_s) noexcept;

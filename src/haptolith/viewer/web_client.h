@@ -30,8 +30,8 @@ class WebServer::Implementation::Client : public std::enable_shared_from_this<Cl
   ~Client() {
     if (!server_.ends) {
       try {
-        end();                           // when a handler has thrown, nobody has
-      } catch (const std::exception&) {  // no memory to say so
+        end();                           // when a handler has thrown, nothing else ends it
+      } catch (const std::exception&) {  // no memory to report it
       }
     }
     --server_.sockets_of_clients;

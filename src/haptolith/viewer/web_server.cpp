@@ -52,7 +52,7 @@ asio::ip::address loopbackOf(const asio::ip::address& any) {
                      : asio::ip::address(asio::ip::address_v4::loopback());
 }
 
-/// The first address of this machine that is not its own alone. Of version 4, which also reaches who listens on "::".
+/// The first address of this machine that others can reach. An IPv4 address, which also reaches listeners on "::".
 std::optional<asio::ip::address> addressForOthers() {
   ifaddrs* all = nullptr;
   if (getifaddrs(&all) != 0) {
@@ -72,8 +72,8 @@ std::optional<asio::ip::address> addressForOthers() {
   return found;
 }
 
-/// How many files this process may have open; as many as we want where the system lets it. At least twice
-/// kFilesOfOthers is said: with less, connections go as files run out.
+/// Raises the limit of open files if the system allows it, and returns it. At least twice
+/// kFilesOfOthers is reported: with less, connections are dropped when files run out.
 std::size_t filesForAll() {
   rlimit files{};
   if (getrlimit(RLIMIT_NOFILE, &files) != 0) {
@@ -151,8 +151,8 @@ WebServer::Implementation::~Implementation() {
   ends = true;
 }
 
-/// An exception in a handler ends the connection that it was for, since nobody waits for anything on it any more; the
-/// program goes on.
+/// An exception in a handler ends its connection, because no operation is pending on it any more; the
+/// program continues.
 void WebServer::Implementation::serve() noexcept {
   while (!io.stopped()) {
     try {
@@ -229,7 +229,7 @@ bool WebServer::Implementation::mayGuess(const std::string& network, bool wrong)
   Guesses& some = guesses[network];
   some = {left_of(some), now};
   if (some.left < 1) {
-    return false;  // a right one would tell that it is
+    return false;  // otherwise the answer would reveal a correct one
   }
   some.left -= wrong ? 1 : 0;
   return true;
@@ -238,7 +238,7 @@ bool WebServer::Implementation::mayGuess(const std::string& network, bool wrong)
 std::optional<std::size_t> WebServer::Implementation::entranceOf(std::string_view target) const {
   const std::string_view token = tokenOf(target);
   std::optional<std::size_t> found;
-  for (std::size_t i = 0; i < entrances.size(); ++i) {  // all of them, so that the time it takes tells nothing
+  for (std::size_t i = 0; i < entrances.size(); ++i) {  // all of them, so that the duration reveals nothing
     if (entrances[i].token.empty() || sameToken(token, entrances[i].token)) {
       found = i;
     }
@@ -346,7 +346,7 @@ std::shared_ptr<const std::string> WebServer::takeUpload(std::uint64_t number) {
 
 void WebServer::notify() {
   if (implementation_->notified.exchange(true)) {
-    return;  // it has been told and has not come to it
+    return;  // it has been notified and has not reacted yet
   }
   asio::post(implementation_->io, [server = implementation_.get()] {
     server->notified = false;

@@ -15,8 +15,8 @@ inline constexpr std::size_t kLargestUpload = std::size_t{32} << 20;
 
 /// A way in: an address of the page with its token.
 struct Entrance {
-  std::string token = {};  ///< what clients must know; empty: nothing
-  bool nameless = false;   ///< who comes this way is not told what soil and world they see
+  std::string token = {};  ///< token that clients must present; empty: none
+  bool nameless = false;   ///< clients of this entrance receive no soil and body names (blinded)
 };
 
 struct WebServerOptions {
@@ -25,12 +25,11 @@ struct WebServerOptions {
   bool other_ports = true;         ///< whether the next ones are tried, too, where that is in use
   /// One without a token only when it is the only one and `bind` is loopback.
   std::vector<Entrance> entrances = {{}};
-  /// Whether somebody has thought up a token: then wrong ones are taken slowly from each address. One that newToken()
-  /// has made up nobody guesses, and nobody can be kept out by guessing.
+  /// Whether a user has chosen the token: wrong ones are then limited in rate for each address. Tokens of newToken()
+  /// are unguessable, and guessing cannot lock out other clients.
   bool guessable = false;
-  /// Connections that have not sent a whole request yet, and those that stay after one; fewer where the system lets the
-  /// program have few files. So many that who crowds others out by the thousand needs a while for it, in which anybody
-  /// else has sent a request.
+  /// Connections that have not sent a whole request yet, and those that stay after one; fewer where the system limits
+  /// the program's files. Large enough that crowding others out takes longer than another client's request.
   std::size_t most_asking = 2048, most_served = 512;
   /// Whether pages may upload files, of at most kLargestUpload bytes: see WebServer::takeUpload().
   bool takes_uploads = false;
@@ -41,8 +40,8 @@ struct WebServerOptions {
 void validate(const WebServerOptions& options);
 
 /// Serves the page, and a WebSocket each to at most 32 clients (docs/reference/web-protocol.md), on a thread of its
-/// own. It knows nothing of what the messages mean. A client that sends more than the protocol allows is dropped, and
-/// so is what waits of it. Connections that ask for nothing, however many, keep nobody else out.
+/// own. It does not interpret messages. A client that sends more than the protocol allows is dropped with its pending
+/// messages. Idle connections, however many, do not block other clients.
 class WebServer {
  public:
   struct Event {
@@ -60,7 +59,7 @@ class WebServer {
   /// Address of the page, the entrance's token included. Where it listens on all addresses: one of this machine that
   /// others can open as well, if it has any.
   [[nodiscard]] std::string url(std::size_t entrance = 0) const;
-  /// The same for a browser on this machine.
+  /// As above for a browser on this machine.
   [[nodiscard]] std::string urlHere(std::size_t entrance = 0) const;
   [[nodiscard]] std::uint16_t port() const noexcept;
   [[nodiscard]] std::size_t clients() const noexcept;
@@ -70,11 +69,11 @@ class WebServer {
   /// The next thing that has happened: messages from all clients in turn, and each client's in their order. False when
   /// there is nothing.
   bool takeEvent(Event& event);
-  /// Tells all clients that the board has something new.
+  /// Notifies all clients of news on the board.
   void notify();
   /// Sends a text to one client, after what it has been sent before. One that lets too many wait is dropped.
   void send(std::uint32_t client, std::string text);
-  /// Takes over what somebody has uploaded, by the number that the answer gave them; null when it is no longer there.
+  /// Takes an uploaded file by the number in the answer to the upload; null when it is no longer available.
   /// One upload is kept, the newest.
   std::shared_ptr<const std::string> takeUpload(std::uint64_t number);
   /// Lets who has a token download this file as /recordings/NAME, and no other; not who comes by a nameless entrance.

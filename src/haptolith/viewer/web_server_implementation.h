@@ -84,7 +84,7 @@ class WebServer::Implementation {
   bool ends = false;       // outlives io, which destroys the clients that are left
   bool accepting = false;  ///< or about to, after a pause
   std::size_t most_asking = 0, most_served = 0;
-  Crowd asking, served;                                    // of the server's thread, as is what follows
+  Crowd asking, served;                                    // for the server's thread, like all members below
   std::map<std::uint32_t, std::weak_ptr<Client>> clients;  // those that have not ended
   std::size_t sockets_of_clients = 0;
   std::uint32_t last_client = 0;
@@ -97,11 +97,11 @@ class WebServer::Implementation {
   Board& board;
   std::vector<Entrance> entrances;
   bool guessable = false, takes_uploads = false;
-  bool uploading = false;  ///< somebody is: one at a time
+  bool uploading = false;  ///< an upload is running: one at a time
   bool loopback_only = true;
   std::atomic<std::size_t> joined{0};
 
-  /// What waits of a client.
+  /// Pending messages of a client.
   struct Queue {
     std::deque<Event> events;
     std::size_t bytes = 0;

@@ -34,7 +34,7 @@ inline std::string_view contentType(std::string_view path) {
   return "application/octet-stream";
 }
 
-/// Where somebody is, as far as they cannot choose it themselves: an IPv6 network gives everybody in it 2^64 addresses.
+/// Network of a client, the part that it cannot choose: an IPv6 network gives each host 2^64 addresses.
 inline std::string networkOf(const Tcp::socket& socket) {
   beast::error_code ignored;
   const asio::ip::address address = socket.remote_endpoint(ignored).address();
@@ -64,7 +64,7 @@ inline const WebFile* findFile(std::string_view target) {
   return file == files.end() ? nullptr : &*file;
 }
 
-/// A connection that has not become a WebSocket: asks for files. Who lets others wait is sent away for them: see
+/// A connection that is not a WebSocket: requests files. Idle connections are dropped when the limit is reached: see
 /// admit().
 class WebServer::Implementation::Visitor : public std::enable_shared_from_this<Visitor> {
  public:

@@ -1,4 +1,4 @@
-// Pictures that are seen later than what they show is felt (docs/how-to/studies.md, `visual_delay_s`).
+// Pictures that are seen later than what they show is felt (docs/reference/protocol-keys.md, `visual_delay_s`).
 
 import type { Frame } from 'haptolith-protocol';
 

@@ -7,7 +7,7 @@ using System.Runtime.InteropServices;
 namespace Haptolith
 {
   /// <summary>
-  /// What went wrong last in a function that this thread has called. Texts are never NULL, may be empty, and are valid until
+  /// The last error of a function that this thread has called. Texts are never NULL, may be empty, and are valid until
   /// the thread's next failure.
   /// </summary>
   [StructLayout(LayoutKind.Sequential)]
@@ -28,7 +28,7 @@ namespace Haptolith
     public fixed double orientation[4];  // w x y z, of norm 1 +- 1 %
   }
 
-  /// <summary>of the origin of what moves, in the frame of its pose</summary>
+  /// <summary>velocity of the moving body's origin, in the frame of its pose</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_twist
   {
@@ -36,7 +36,7 @@ namespace Haptolith
     public fixed double angular_rad_s[3];
   }
 
-  /// <summary>where one is used it is said whose, about which point and in which frame</summary>
+  /// <summary>every use states the body, the point and the frame</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_wrench
   {
@@ -57,7 +57,7 @@ namespace Haptolith
   }
 
   /// <summary>
-  /// Told now and then what is being done and how much of it is, 0 to 1, or -1 where that is not known; 0 gives up.
+  /// Receives the current work and its progress, 0 to 1, or -1 where that is not known; return 0 to give up.
   /// `what` is valid during the call. May come from another thread than the caller's, one at a time.
   /// </summary>
   [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
@@ -67,7 +67,7 @@ namespace Haptolith
   public unsafe struct hapto_scene_info
   {
     public uint size;
-    public uint substeps;  // of a tick
+    public uint substeps;  // per tick
     public uint threads;  // that share one, at most
     public uint friction;  // 0: the paper's, 1: contact
     public ulong particles;  // the indices of all arrays
@@ -86,7 +86,7 @@ namespace Haptolith
     public fixed double gravity_m_s2[3];
   }
 
-  /// <summary>What a device declares of itself. hapto_device_limits_init() sets what an ideal device has; INFINITY: no limit.</summary>
+  /// <summary>Limits that a device declares. hapto_device_limits_init() sets those of an ideal device; INFINITY: no limit.</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_device_limits
   {
@@ -95,7 +95,7 @@ namespace Haptolith
     public int shows_force;  // as a force, not as a rumble
     public int grips;  // whether it has a gripper
     public int delay_known;  // else the delay is anything up to delay_s
-    public int simulated;  // nobody's hand is at it: no soft start, and time may run at any speed
+    public int simulated;  // no person's hand is at it: no soft start, and time may run at any speed
     public double max_force_n;
     public double max_torque_nm;
     public double max_gripper_force_n;
@@ -108,8 +108,8 @@ namespace Haptolith
     public fixed double turn_rad[3];  // turns its frame into that of a person before it: x right, y away, z up
     public fixed double workspace_centre_m[3];  // device frame
     public double workspace_radius_m;
-    public double rate_hz;  // at which it tells and shows something new
-    public double delay_s;  // from a force that is sent to a reading that tells of it, beyond a tick
+    public double rate_hz;  // update rate of readings and forces
+    public double delay_s;  // from sending a force to a reading that shows its effect, beyond a tick
     public double resolution_m;  // positions come in steps, or with noise, of at most this; 0: exact
   }
 
@@ -207,12 +207,12 @@ namespace Haptolith
     public int device_state;
     public uint reserved;
     public double time_s;
-    public hapto_pose device_pose;  // of the handle, as the device reported it, device frame
-    public hapto_twist device_twist;  // of the handle, device frame
+    public hapto_pose device_pose;  // handle, as the device reported it, device frame
+    public hapto_twist device_twist;  // handle, device frame
     public double gripper_open;
     public hapto_pose scene_T_tool;
-    public hapto_wrench soil_wrench;  // of the soil on the tool, about its origin, scene frame, unfiltered
-    public hapto_wrench rendered;  // what the device would be sent without the safety layer, about the handle's origin, device frame
+    public hapto_wrench soil_wrench;  // soil on tool, about its origin, scene frame, unfiltered
+    public hapto_wrench rendered;  // output before the safety layer, about the handle's origin, device frame
     public double rendered_gripper_n;  // > 0 opens the fingers
     public hapto_wrench device_wrench;  // sent to the device, about the handle's origin, device frame
     public double device_gripper_n;  // sent to the gripper; > 0 opens the fingers
@@ -261,12 +261,12 @@ namespace Haptolith
     public const int HAPTO_FLOAT64 = 2;
     public const int HAPTO_UINT8 = 3;
 
-    public const int HAPTO_POSITION = 1;  // of the centres, m, 3 of HAPTO_FLOAT32; view and copy
+    public const int HAPTO_POSITION = 1;  // centres, m, 3 of HAPTO_FLOAT32; view and copy
     public const int HAPTO_VELOCITY = 2;  // m/s, 3 of HAPTO_FLOAT32; view and copy
     public const int HAPTO_RADIUS = 3;  // m, HAPTO_FLOAT32; copy
     public const int HAPTO_ASLEEP = 4;  // 1: not worked on, since nothing near it moves; HAPTO_UINT8; copy
-    public const int HAPTO_HELD = 5;  // 1: stands for ever where a box of settled soil ends; HAPTO_UINT8; copy
-    public const int HAPTO_CONTACT_LOAD = 6;  // N, how hard its neighbours press it: shows force chains; HAPTO_FLOAT32; copy
+    public const int HAPTO_HELD = 5;  // 1: fixed, outside the sides of a settled box; HAPTO_UINT8; copy
+    public const int HAPTO_CONTACT_LOAD = 6;  // N, load by its neighbours: shows force chains; HAPTO_FLOAT32; copy
     public const int HAPTO_FIELDS = 6;
 
     public const int HAPTO_DEVICE_LIVE = 0;
@@ -294,7 +294,7 @@ namespace Haptolith
     public const int HAPTO_TICK_RATE_LIMITED = 8;  // force changed no faster than the device may
     public const int HAPTO_TICK_SOFT_START = 16;  // force was still rising after a start or a trip
     public const int HAPTO_TICK_DAMPED = 32;  // energy in excess was damped
-    public const int HAPTO_TICK_RESUMED = 64;  // time stood still before it
+    public const int HAPTO_TICK_RESUMED = 64;  // time was paused before it
     public const int HAPTO_TICK_HEARTBEAT_LOST = 128;  // the watchdog had set the force to zero before it
     public const int HAPTO_TICK_SCENE_CHANGED = 256;  // soil, gravity, tool or bed were changed before it, or the tool fades for that
     public const int HAPTO_TICK_SOFT_STOP = 512;  // the run was about to end
@@ -324,8 +324,8 @@ namespace Haptolith
     public static extern int hapto_last_error(hapto_error* @out);
 
     /// <summary>
-    /// For libraries beside this one: makes this what hapto_last_error() of this thread tells, and returns the status. NULL is
-    /// "".
+    /// For companion libraries: sets the text of hapto_last_error() for this thread, and returns the status. NULL is
+    /// * "".
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_note_error(int status, byte* message, byte* key, byte* value, byte* valid);
@@ -334,7 +334,7 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern byte* hapto_status_text(int status);
 
-    // results: what cannot be told in a number
+    // results with more than one number
 
     /// <summary>A JSON object, valid until the result is destroyed.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -351,7 +351,7 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_result_destroy(IntPtr result);
 
-    /// <summary>What there is, as {"names": [...]}: "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set" (the one in use).</summary>
+    /// <summary>Available items, as {"names": [...]}: "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set" (the one in use).</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_list(byte* what, IntPtr* @out);
 
@@ -359,16 +359,16 @@ namespace Haptolith
 
     /// <summary>
     /// A scene from the text of a scene file; NULL or "" is the paper's scene.
-    /// name       what messages call it; NULL: "scene". Files that it names lie beside what that would be.
+    /// name       its name in messages; NULL: "scene". Files that it names are relative to that name.
     /// overrides  `count` texts "table.key=value" that replace keys of the file.
     /// progress   may be NULL. Soil that settles takes seconds to minutes the first time.
-    /// Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE when soil does not come to rest.
+    /// Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE when soil does not settle.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_from_toml(byte* text, byte* name, byte** overrides, uint count, IntPtr progress, void* user, IntPtr* @out);
 
     /// <summary>
-    /// The same from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
+    /// As above from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
     /// Moon in the finest particles that this machine renders at 1 kHz with a core left to others: it measures the machine,
     /// about a second the first time, and keeps the result with settled soil. Overrides of soil.radius_mm and bed.threads
     /// count.
@@ -376,7 +376,7 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_from_file(byte* name_or_path, byte** overrides, uint count, IntPtr progress, void* user, IntPtr* @out);
 
-    /// <summary>Another scene that goes on from here with the same bits.</summary>
+    /// <summary>Another scene that continues from here with the same bits.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_clone(IntPtr scene, IntPtr* @out);
 
@@ -408,7 +408,7 @@ namespace Haptolith
     /// <summary>
     /// One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
     /// twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
-    /// soil_wrench  what the soil does to the tool, mean over the tick, scene frame; may be NULL.
+    /// soil_wrench  wrench of the soil on the tool, mean over the tick, scene frame; may be NULL.
     /// Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m beside the box or
     /// 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz]
     /// </summary>
@@ -422,27 +422,27 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_steps(IntPtr scene, ulong count, hapto_pose* poses, hapto_twist* twists, hapto_wrench* soil_wrenches, ulong* done);
 
-    /// <summary>What the soil did to the tool in the last tick, scene frame. [1 kHz]</summary>
+    /// <summary>Wrench of the soil on the tool in the last tick, scene frame. [1 kHz]</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_get_wrench(IntPtr scene, hapto_wrench* soil_wrench);
 
     /// <summary>
-    /// How the force changes when the tool moves a little and the soil goes on as it does: dF = -K dx, K row by row in N/m, scene frame. To
+    /// Derivative of the force for a small movement of the tool with unchanged velocities of the soil: dF = -K dx, K row by row in N/m, scene frame. To
     /// extrapolate between ticks in a loop that is faster. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_get_contact_stiffness(IntPtr scene, double* n_m);
 
-    /// <summary>How far the jaws are to open by the end of the next tick, 0 to 1; no other tool takes notice. [1 kHz]</summary>
+    /// <summary>Sets the opening of the jaws at the end of the next tick, 0 to 1; without effect on other tools. [1 kHz]</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_set_opening(IntPtr scene, double share);
 
-    /// <summary>How hard the soil pushed the jaws apart in the last tick. [1 kHz]</summary>
+    /// <summary>Force of the soil that opened the jaws in the last tick. [1 kHz]</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_get_grip_force(IntPtr scene, double* n);
 
     /// <summary>
-    /// How much of itself the tool is, 0 to 1, from the next tick on: a tool that grows slowly moves soil out of its way
+    /// Sets the present fraction of the tool, 0 to 1, from the next tick on: a tool that grows slowly moves soil out of its way
     /// gently. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -474,17 +474,17 @@ namespace Haptolith
     public static extern int hapto_scene_copy(IntPtr scene, int field, void* @out, ulong bytes);
 
     /// <summary>
-    /// The whole scene as bytes, its parameters included. Scenes with equal bytes go on with equal bits. `needed` as in
+    /// The complete scene as bytes, its parameters included. Scenes with equal bytes continue with equal bits. `needed` as in
     /// hapto_scene_get_toml(). The bytes are for this version of the library and one instruction set.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_get_state(IntPtr scene, void* bytes, ulong capacity, ulong* needed);
 
-    /// <summary>Goes on from there; the scene must have been made with the same parameters. It is as it was when this fails.</summary>
+    /// <summary>Continues from there; the scene must have been made with the same parameters. It is unchanged when this fails.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_set_state(IntPtr scene, void* bytes, ulong count);
 
-    /// <summary>A new scene that goes on from there: nothing has to settle again.</summary>
+    /// <summary>A new scene that continues from there, without settling again.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_from_state(void* bytes, ulong count, IntPtr* @out);
 
@@ -503,7 +503,7 @@ namespace Haptolith
 
     /// <summary>
     /// `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. The same bits as
-    /// one by one. status[i] is how scene i fared; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+    /// one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
     /// returned.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -558,8 +558,8 @@ namespace Haptolith
     /// A test of the soil laboratory, as `haptolith lab TEST` makes it (hapto_list("lab tests"); docs/how-to/test-a-soil.md).
     /// options  keys in TOML, as the command's options with _ for -: "normal_pa = [300, 1000, 3000]\nseed = 2\nbody = 'Earth'"; NULL or
     ///          "": the usual ones.
-    /// out      the numbers that `--json` prints, "findings" beside what they should be, and the trace as columns.
-    /// Errors: HAPTO_INVALID_PARAMETER with key, value and what would be valid; HAPTO_FAILURE; HAPTO_STOPPED.
+    /// out      the numbers that `--json` prints, "findings" with their target values, and the trace as columns.
+    /// Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE; HAPTO_STOPPED.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_lab_test(byte* test, IntPtr soil, byte* options, IntPtr progress, void* user, IntPtr* @out);
@@ -593,7 +593,7 @@ namespace Haptolith
     public static extern int hapto_loop_create(IntPtr scene, hapto_device* device, uint flags, IntPtr* @out);
 
     /// <summary>
-    /// Runs it on a thread of its own, in step with the clock, with real-time priority and the process's memory locked where the
+    /// Runs it on a separate thread, in step with the clock, with real-time priority and the process's memory locked where the
     /// system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog sets the
     /// force on a person's hand to zero when 4 ms pass without a tick (safety.heartbeat_ms).
     /// </summary>
@@ -617,28 +617,28 @@ namespace Haptolith
 
     /// <summary>
     /// The newest snapshot, about 60 per second; may be called while the loop runs, from one thread. Valid until the next call.
-    /// Before the first snapshot there are no positions. While time stands still the wrenches are those of the last tick, and the
+    /// Before the first snapshot there are no positions. While time is paused the wrenches are those of the last tick, and the
     /// device is sent zero.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_snapshot(IntPtr loop, hapto_snapshot* @out);
 
     /// <summary>
-    /// Takes up to `capacity` of the ticks that wait, the oldest first; `count` is how many, `lost` (or NULL) how many nobody took in
-    /// time so far: take them every second or more often. From the thread that takes snapshots.
+    /// Takes up to `capacity` of the waiting ticks, the oldest first; `count` is their number, `lost` (or NULL) the number lost so far
+    /// * because they were not taken in time: take them every second or more often. From the thread that takes snapshots.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_take_ticks(IntPtr loop, hapto_tick* @out, ulong capacity, ulong* count, ulong* lost);
 
     /// <summary>
-    /// What a recording says about this loop, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set", "device",
+    /// Description of this loop for a recording, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set", "device",
     /// "device_limits" (JSON), "seed", "threads", "hashed_parts", "start_tick" (0: soil and tool were as the scene says when the
     /// loop was made), "tick_s", "paced". With the bytes needed, as hapto_scene_get_toml().
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_get_header(IntPtr loop, byte* json, ulong capacity, ulong* needed);
 
-    /// <summary>Lets time stand still, and the hand go (1), or go on (0), between two ticks. From the thread that takes snapshots.</summary>
+    /// <summary>Pauses time and sets the force to zero (1), or resumes (0), between two ticks. From the thread that takes snapshots.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_pause(IntPtr loop, int on);
 
@@ -646,10 +646,10 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_change(IntPtr loop, byte** overrides, uint count);
 
-    // the safety layer alone, for hosts with a loop and a device of their own
+    // the safety layer alone, for hosts with their own loop and device
 
     /// <summary>
-    /// What stands between a simulated force and a person's hand (docs/explanation/safety.md): plausibility of the input, soft start, the
+    /// Protection between a simulated force and a person's hand (docs/explanation/safety.md): plausibility of the input, soft start, the
     /// device's limits and rates, passivity.
     /// overrides      keys of [safety], "safety.soft_start_s=1".
     /// tick_s         of the caller's loop, 0.0001 to 0.1.
@@ -660,8 +660,8 @@ namespace Haptolith
     public static extern int hapto_safety_create(hapto_device_limits* limits, byte** overrides, uint count, double tick_s, double stiffness_n_m, IntPtr* @out);
 
     /// <summary>
-    /// Each tick: what the device told, whether the tick before ended late (1), and what the hand would be made to feel, which
-    /// becomes what it may: both device frame. [1 kHz]
+    /// Each tick: the device's reading, whether the tick before ended late (1), and the requested output, which is replaced
+    /// * by the permitted one: both device frame. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_safety_step(IntPtr safety, hapto_device_input* input, int late, hapto_device_output* inout);

@@ -1,5 +1,5 @@
 // Float4 of many particles as four SIMD vectors x, y, z and w: the loads and stores of all kernels. Included again for
-// every target, hence the toggled guard (Highway's idiom).
+// every target, therefore the toggled guard (Highway's idiom).
 
 #if defined(HAPTOLITH_FLOAT4_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_FLOAT4_VECTORS_INL_H_
@@ -149,7 +149,7 @@ HWY_INLINE void storeFloat4(const Float4Vectors& r, Float4* HWY_RESTRICT memory)
 #endif
 
 /// The shortest way from one particle to another where a box repeats itself (Periods): along an axis that does not, the
-/// period is 0 and nothing changes, to the last bit.
+/// period is 0 and the result is bit-identical.
 template <bool kPeriodic>
 HWY_INLINE V nearestImage(V distance, V period, V per_period) {
   if constexpr (kPeriodic) {

@@ -1,5 +1,5 @@
 // Friction between two bodies that touch, once, for every kind of number: the SIMD vectors of the bed's kernel, float
-// for its walls, double for the tool. Included again for every target, hence the toggled guard (Highway's idiom).
+// for its walls, double for the tool. Included again for every target, therefore the toggled guard (Highway's idiom).
 
 #if defined(HAPTOLITH_FRICTION_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_FRICTION_INL_H_
@@ -38,7 +38,7 @@ struct FrictionOf {
   Real dt;
   Real minus_stiffness;  ///< -k_t, N/m
   Real lag;              ///< c_t / k_t, s
-  Real one, tiny;        ///< 1, and what is nothing beside any stretch's square, m^2
+  Real one, tiny;        ///< 1, and a square that is negligible against any stretch's, m^2
 };
 
 /// The first half of frictionForce(): xi after a step of sliding, whatever the limit.
@@ -54,7 +54,7 @@ HWY_INLINE Triple<Real> stretched(const FrictionOf<Real>& friction, const Triple
 template <class Real, class Kept>
 HWY_INLINE Triple<Real> heldFriction(const FrictionOf<Real>& friction, Real reach, const Triple<Real>& slip,
                                      Triple<Real>& stretch, const Kept& kept) {
-  // How much of a stretch is left when it may not exceed the reach.
+  // Factor that limits a stretch to the reach.
   const auto share = [&](const Triple<Real>& of) {
     const Real squared = MulAdd(of.x, of.x, MulAdd(of.y, of.y, MulAdd(of.z, of.z, friction.tiny)));
     return Min(reach * InverseSqrt(squared), friction.one);
@@ -68,8 +68,8 @@ HWY_INLINE Triple<Real> heldFriction(const FrictionOf<Real>& friction, Real reac
 }
 
 /// Friction on the first of two bodies, with the normal `n` from the second to it (Cundall and Strack 1979, eq. 5, 15):
-/// a spring along the surface remembers how far they have slid against each other since they met, and beside it works a
-/// damper. Both together hold no more than the Coulomb limit, and neither does the spring alone, which gives way:
+/// a spring along the surface stores their slip since contact began, with a damper in
+/// parallel. Both together hold no more than the Coulomb limit, and neither does the spring alone, which gives way:
 ///
 ///     xi <- xi - (xi n) n + v_t dt,     |k_t xi| > limit:  xi <- limit / k_t xi / |xi|
 ///     F_t = -(k_t xi + c_t v_t),        |F_t| > limit:     F_t <- limit F_t / |F_t|

@@ -1,5 +1,5 @@
 // Force of the neighbours on each particle with contact friction: repulsion, cohesion, damping, tangential springs.
-// Included again for every target, hence the toggled guard (Highway's idiom).
+// Included again for every target, therefore the toggled guard (Highway's idiom).
 //
 // A row is the s-th neighbour of each of 16 particles (ContactLists). It passes four stages:
 //
@@ -259,7 +259,7 @@ HWY_INLINE PairLaw lawWith(const LawsOfClass& laws, const RowClasses& classes) {
 
 #endif
 
-/// Laws of a group's grains with their neighbours: those of their own class and, in a graded bed, others.
+/// Laws of a group's particles with their neighbours: those of their class and, in a graded bed, others.
 class GroupLaws {
  public:
   GroupLaws(const GrainClasses& classes, const LawsOfClass& laws, std::size_t own)
@@ -268,7 +268,7 @@ class GroupLaws {
   [[nodiscard]] HWY_INLINE const PairLaw& own() const { return laws_.with[own_]; }
 
   [[nodiscard]] HWY_INLINE RowClasses classesOf(V excess) const { return HWY_NAMESPACE::classesOf(classes_, excess); }
-  /// What is between the group's class and those of a row; a pair comes out the same from both sides.
+  /// Law between the group's class and those of a row; both sides of a pair get the same.
   [[nodiscard]] HWY_INLINE PairLaw with(const RowClasses& classes) const { return lawWith(laws_, classes); }
 
  private:
@@ -399,7 +399,7 @@ HWY_INLINE Sums frictionalSums(const GroupLaws& laws, const PeriodsOf& periods, 
   contact = of.row(rows - 1).template normalForce<kCompression>(group, rows - 1, motion);
   of.row(rows - 1).tangentialForce(group, rows - 1, contact);
   const std::size_t now_touched = at.pruning != nullptr ? group.last_touched : rows;
-  // Where a group is several vectors, the others' rows stay noted.
+  // If a group is several vectors, the rows of the others stay recorded.
   touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? now_touched : HWY_MAX(now_touched, touched));
   return group.sums;
 }

@@ -29,7 +29,7 @@ struct ContactFrictionLaw {
 /// as two of the mass 2 m_a m_b / (m_a + m_b): springs one behind the other, and the reduced mass.
 [[nodiscard]] ContactFrictionLaw contactFrictionLaw(const SoilParameters& coarsest, int class_a = 0, int class_b = 0);
 
-/// The same of every pair of classes, and how classes are told apart.
+/// Laws of every pair of classes, and the radii that separate classes.
 struct GradedLaw {
   GrainClasses classes;
   std::array<std::array<ContactFrictionLaw, GrainClasses::kMost>, GrainClasses::kMost> between{};
@@ -44,7 +44,7 @@ struct GradedLaw {
 /// The soil of the grains that two of different classes touch like; of one class that class's own.
 [[nodiscard]] SoilParameters soilBetween(const SoilParameters& soil, int class_a, int class_b);
 
-/// How often the box repeats itself, for beds that have periods instead of walls; 0 along an axis that has walls.
+/// Periods of the box, for beds that have periods instead of walls; 0 along an axis that has walls.
 struct Periods {
   float width = 0, length = 0;          ///< m, along x and y
   float per_width = 0, per_length = 0;  ///< 1 / width and 1 / length, or 0

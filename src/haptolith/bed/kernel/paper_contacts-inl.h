@@ -1,5 +1,5 @@
-// What a particle feels of its neighbours by the paper's law. Included again for every target, hence the toggled guard
-// (Highway's idiom).
+// Force of the neighbours on each particle by the paper's law. Included again for every target, therefore the toggled
+// guard (Highway's idiom).
 
 #if defined(HAPTOLITH_PAPER_CONTACTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_PAPER_CONTACTS_INL_H_

@@ -1,5 +1,5 @@
 // Rows of neighbours, one for each particle of a vector, and how far those are: what all laws of contact go through.
-// Included again for every target, hence the toggled guard (Highway's idiom).
+// Included again for every target, therefore the toggled guard (Highway's idiom).
 
 #if defined(HAPTOLITH_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_ROWS_INL_H_
@@ -22,7 +22,7 @@ HWY_INLINE V set(float value) {
   return hn::Set(D(), value);
 }
 
-/// Where in the arrays a vector of particles stands: 16 particles are a group, one vector of AVX-512 or several.
+/// Position of a vector of particles in the arrays: 16 particles are a group, one vector of AVX-512 or several.
 struct Lanes {
   std::size_t group, in_group, next_group;
   std::size_t rows;    // number of rows to compute

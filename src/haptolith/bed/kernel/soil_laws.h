@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// A soil and every law that follows from it, worked out once so that a bed can go on with them between two ticks.
+/// A soil and every law that follows from it, computed once so that a bed can switch to them between two ticks.
 struct SoilLaws {
   /// @param grain_classes  of the bed. @throws InvalidParameter as validate(SoilParameters).
   explicit SoilLaws(const SoilParameters& made_of, int grain_classes = 1);
@@ -16,10 +16,10 @@ struct SoilLaws {
   ContactLaw pair, wall;
   KernelLaw kernel;  ///< with the paper's friction
   GradedLaw graded;  ///< with contact friction
-  double mass_kg;    ///< of a macroparticle of the coarsest class
+  double mass_kg;    ///< mass of a particle of the coarsest class
 };
 
-/// Whether a bed can go on with another soil than it was made of, its particles lying as they lie: they keep their
+/// Whether a bed can continue with another soil than it was made of, without moving its particles: they keep their
 /// size, mass and model of friction, reach no further than its neighbour lists, and neither they nor its stones need
 /// shorter steps.
 [[nodiscard]] bool isCompatible(const BedParameters& made, const SoilParameters& soil, double tool_stiffness_n_m);

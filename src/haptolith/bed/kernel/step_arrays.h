@@ -6,7 +6,7 @@
 
 namespace haptolith {
 
-/// Walls as bits of StepArrays::near_walls. Of two opposite walls only the nearer one is in reach.
+/// Walls as bits of StepArrays::near_walls. Only the nearer one of two opposite walls is in reach.
 enum WallBit : std::uint8_t { kFloor = 1, kWallX = 2, kWallY = 4 };
 
 /// Arrays that a step reads and writes: G groups of kGroup entries, N = kGroup G in all, of which those after the

@@ -45,7 +45,7 @@ struct Moved {
 void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
                            std::size_t first, std::size_t last, Moved& moved) noexcept;
 
-/// The same with contact friction, whose memory moves on by the step. Each pair is worked out from both sides, with
+/// As above with contact friction, whose memory advances by the step. Each pair is worked out from both sides, with
 /// exactly opposite results.
 void stepWithContactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box,
                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;

@@ -71,7 +71,7 @@ HWY_INLINE PackOverlap overlapOf(const StoneBesidePack& stone, const Triple<V>& 
     const Float4& sphere = stone.spheres[number];
     const Triple<V> apart = minus(place, {set(sphere.x), set(sphere.y), set(sphere.z)});
     const V radii = set(sphere.w) + own;
-    const V squared = hn::Max(dot(apart, apart), set(1e-20F));  // a middle in a middle has a distance, too
+    const V squared = hn::Max(dot(apart, apart), set(1e-20F));  // coinciding centres also have a distance
     const V matters = radii - hn::Min(nearest, zero);
     if (hn::AllFalse(d, squared < matters * matters)) {
       continue;

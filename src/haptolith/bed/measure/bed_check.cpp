@@ -18,7 +18,7 @@ bool areOpposite(const Slip& a, const Slip& b) {
   return a.x == -b.x && a.y == -b.y && a.z == -b.z;
 }
 
-/// Where j's list has i; count(j) when it does not.
+/// Index of i in j's list; count(j) if it is absent.
 std::uint32_t placeIn(const ContactLists& lists, std::size_t j, std::size_t i) {
   std::uint32_t s = 0;
   while (s < lists.count(j) && static_cast<std::size_t>(lists.neighbour(j, s)) != i) {

@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// How hard each particle is pressed by its neighbours: the sum of the normal forces of its contacts, attraction left
+/// Load of each particle by its neighbours: the sum of the normal forces of its contacts, attraction left
 /// out, in N; one per particle. A picture of force chains; the sum of vectors would be no more than a particle's
 /// weight. Not for the tick.
 /// @param positions  m; w is by how much a particle's radius exceeds the mean, as in BedState.

@@ -21,15 +21,15 @@ struct HeightGrid {
 /// Cells of that width, a grain's width away from the sides; at least one.
 [[nodiscard]] HeightGrid gridWithinSides(const BedParameters& bed, double cell_m);
 
-/// What a camera above a bed sees of it.
+/// The part of a bed that a camera above it sees.
 struct SeenSoil {
-  double radius_m = 0;         ///< of a grain
+  double radius_m = 0;         ///< radius of a particle
   std::vector<Float4> grains;  ///< as BedState::position
-  std::vector<Float4> stones;  ///< their spheres, likewise
+  std::vector<Float4> stones;  ///< spheres of the stones, as above
 };
 [[nodiscard]] SeenSoil seenSoil(const Bed& bed);
-/// The same of a moment from which grains, of this radius, and poses of stones were copied, while the bed goes on:
-/// what is taken from the bed are its stones' shapes, which stay.
+/// As above for a moment from which particles of this radius and poses of stones were copied, while the bed continues:
+/// only the stones' shapes, which never change, are read from the bed.
 [[nodiscard]] SeenSoil seenSoil(const Bed& bed, double radius_m, std::span<const Float4> grains,
                                 std::span<const Pose> stones);
 

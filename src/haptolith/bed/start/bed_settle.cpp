@@ -1,4 +1,4 @@
-// How a bed comes to be: what it is laid of, and how that comes to rest.
+// Makes a bed: lays its particles and settles them.
 
 #include <fmt/format.h>
 
@@ -30,13 +30,13 @@ double longestSettling(const BedParameters& bed, double height_m, double dt_s) {
   return kLongestSettling_s + 3 * sinkingTime(bed.soil, bed.gravity_m_s2.norm(), height_m, dt_s);
 }
 
-/// How often a graded bed is filled up and settles: where sizes are joined gaps close, and cohesion draws soil together
-/// that has settled without. After the third time it sinks by less than a tenth of a coarse grain's radius.
+/// Number of times that a graded bed is filled and settled: where sizes are joined gaps close, and cohesion draws soil
+/// together that has settled without. After the third time it sinks by less than a tenth of a coarse grain's radius.
 constexpr int kFillings = 3;
 
 /// Soil laid on a slope is at rest when nothing in it moves faster,
 constexpr double kLaidRest_m_s = 1e-3;
-/// soil that somebody has put somewhere when nothing does so,
+/// soil with given positions when nothing does so,
 constexpr double kGivenRest_m_s = 2e-5;
 /// and either is given up after so long a simulated time.
 constexpr double kLongestLaying_s = 60;
@@ -209,7 +209,7 @@ LaidSoil Bed::gradedSoil(const BedParameters& bed, const SettleProgress& progres
     for (int time = 0; time < kFillings; ++time) {
       Bed together(bed, filling.filledUp(free));
       together.settle(dt_s, longestSettling(bed, together.surfaceHeight(), dt_s), progress);
-      together.findHold(dt_s, kGivenRest_m_s, progress);  // cohesion draws it together, by some 4 % in lunar soil
+      together.findHold(dt_s, kGivenRest_m_s, progress);  // cohesion draws it together, by about 4 % in lunar soil
       free = withManyNeighboursTogether(together);
     }
     return free;

@@ -34,7 +34,7 @@ struct Lattice {
   [[nodiscard]] double usableWidth() const { return width_m - 2 * radius_m + kRounding; }
   [[nodiscard]] double usableLength() const { return length_m - 2 * radius_m + kRounding; }
 
-  /// How many rows a layer has, and how many places one of its rows has.
+  /// Number of rows in a layer, and of places in one of its rows.
   [[nodiscard]] int rows(bool layer_b) const { return count(usableLength() - (layer_b ? shiftOfB() : 0), row_m); }
   [[nodiscard]] int columns(bool shifted_row) const {
     return count(usableWidth() - (shifted_row ? pitch_m / 2 : 0), pitch_m);
@@ -48,7 +48,7 @@ struct Lattice {
   }
 
   [[nodiscard]] std::vector<Eigen::Vector2d> places(bool layer_b) const {
-    // Both layers are centred together, so that B lies in the hollows of A.
+    // Both layers are centred together, so that B fills the hollows of A.
     const double total_width = (count(2 * usableWidth(), pitch_m) - 1) * pitch_m / 2;
     const bool room_for_shift = (rows(false) - 1) * row_m + shiftOfB() <= usableLength();
     const double total_length = (rows(false) - 1) * row_m + (room_for_shift ? shiftOfB() : 0);
@@ -190,8 +190,9 @@ std::vector<Vec3> counted(const BedParameters& bed) {
   return centres;
 }
 
-/// A loose lattice: cells of 1.15 diameters of the largest particle leave it 0.15 R of play to all sides, so that a
-/// seed makes a bed of its own and none touches another. (The laboratory's loose specimens, lab_bed.cpp, are looser.)
+/// A loose lattice: cells of 1.15 diameters of the largest particle leave it 0.15 R of play to all sides, so that each
+/// seed makes a different bed and no particle touches another. (The laboratory's loose specimens, lab_bed.cpp, are
+/// looser.)
 std::vector<Vec3> rained(const BedParameters& bed) {
   const double largest =
       bed.soil.radius_m * (1 + (bed.soil.friction == FrictionModel::kContact ? bed.soil.size_spread : 0));
@@ -230,7 +231,7 @@ std::vector<Vec3> startingCentres(const BedParameters& bed) {
 }
 
 void requireGravityToSettle(const BedParameters& bed, double fall_m) {
-  constexpr double kFalling = 0.8;  // of the time
+  constexpr double kFalling = 0.8;  // fraction of the time
   const double gravity_m_s2 = bed.gravity_m_s2.norm();
   const double least_m_s2 = double{kSettlingDrag_per_s} * fall_m / (kFalling * kLongestSettling_s);
   if (gravity_m_s2 > 0 && gravity_m_s2 < least_m_s2) {
@@ -250,7 +251,7 @@ double highestCentre(const std::vector<Float4>& grains) {
 }
 
 BedParameters withRoomFor(int particles, BedParameters bed) {
-  constexpr double kVolumePerCubedRadius = 5.83;  // of a particle and its share of the gaps, walls' included
+  constexpr double kVolumePerCubedRadius = 5.83;  // volume of a particle with its part of the gaps, walls included
   constexpr double kDeepest_m = 0.12;
   const double volume = particles * kVolumePerCubedRadius * std::pow(bed.soil.radius_m, 3);
   bed.start = BedStart::kPacked;

@@ -16,7 +16,7 @@ namespace haptolith {
 /// @throws InvalidParameter when the particles do not fit.
 [[nodiscard]] std::vector<Vec3> startingCentres(const BedParameters& bed);
 
-/// How much the largest particle's radius exceeds the mean, in m, in the coarsest class.
+/// Excess of the largest particle's radius over the mean, in m, in the coarsest class.
 [[nodiscard]] double largestExcess(const SoilParameters& soil);
 
 /// Centres with sizes as the seed deals them out.
@@ -25,11 +25,12 @@ namespace haptolith {
 /// Height of the highest centre above the floor, in m; 0 without any.
 [[nodiscard]] double highestCentre(const std::vector<Float4>& grains);
 
-/// The bed as a packed sandbox for about so many particles: half as deep as wide, but no deeper than a hand reaches.
+/// Returns the bed as a packed sandbox for about that number of particles: half as deep as wide, but no deeper than a
+/// hand reaches.
 [[nodiscard]] BedParameters withRoomFor(int particles, BedParameters bed);
 
-/// With contact friction only contacts damp; soil that falls, or slides to the walls when it is laid, comes to rest
-/// sooner in something thicker than space: a drag that stops free movement within some 0.2 s and lets soil fall at
+/// With contact friction only contacts damp; soil that falls, or slides to the walls when it is laid, settles
+/// sooner in a viscous medium: a drag that stops free movement within about 0.2 s and lets soil fall at
 /// g / 5 s. Soil at rest does not feel it.
 inline constexpr float kSettlingDrag_per_s = 5;
 

@@ -24,19 +24,19 @@ constexpr double kEdgeRadii = 40;
 /// No tile is larger: it would take minutes to settle.
 constexpr double kMostTileParticles = 1e6;
 
-/// What is poured, over a close packing of as much: rain is a tenth looser, and some is left to be levelled.
+/// Poured amount over that of a close packing: rain is a tenth looser, and some is left to be levelled.
 constexpr double kPoured = 0.97;
 
-/// What was poured lies well enough when its grains have, in the mean, less energy of motion than lifts one by this
-/// share of its radius. Without friction single grains go on finding better places for a long time: lunar-0-15cm of
+/// Poured soil is calm when the mean kinetic energy of its particles would lift one by less than this
+/// fraction of its radius. Without friction single particles continue to rearrange for a long time: lunar-0-15cm of
 /// 3.5 mm, 35 mm deep, is there after 3 s of simulated time, and sinks by another 0.5 % in the next 19.
 constexpr double kPouredLift = 1e-4;
 
-/// What has not come to rest in this share of the time allowed is taken when it is as calm as what was poured.
+/// Soil that has not settled after this fraction of the time limit is accepted once it is as calm as poured soil.
 constexpr double kCalmAfter = 0.9;
 
-/// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten. With the paper's friction, of
-/// which no contact remembers anything, as in Bed::settle(): stiff soil goes on creeping at a third of that.
+/// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten. With the paper's friction,
+/// which has no memory, as in Bed::settle(): stiff soil keeps creeping at a third of that.
 double restSpeed(FrictionModel friction) {
   return friction == FrictionModel::kPaper ? 1e-4 : 1e-5;  // m/s
 }
@@ -91,7 +91,7 @@ void stepUntil(Bed& bed, const TileProgress& progress,
   } while (!is_calm(time_s, speed));
 }
 
-/// What of a bed stands no higher than the wanted depth.
+/// The particles of a bed up to the requested depth.
 std::vector<Float4> levelled(const Bed& bed) {
   std::vector<Float4> grains;
   for (std::size_t i = 0; i < bed.particles(); ++i) {
@@ -103,7 +103,7 @@ std::vector<Float4> levelled(const Bed& bed) {
   return grains;
 }
 
-/// How long grains fall by the depth of a tile, in s: at first nothing moves.
+/// Time of a free fall through the depth of a tile, in s: at first nothing moves.
 double fallingTime(const BedParameters& tile) {
   return std::sqrt(2 * tile.depth_m / tile.gravity_m_s2.norm());
 }
@@ -125,7 +125,7 @@ std::vector<Float4> poured(const BedParameters& tile, const TileProgress& progre
   return levelled(bed);
 }
 
-/// Where a place is after taking whole periods away, about 0.
+/// Reduces a coordinate by complete periods to the interval about 0.
 float aboutMiddle(float metres, double period_m) {
   return static_cast<float>(metres - period_m * std::round(metres / period_m));
 }
@@ -153,12 +153,12 @@ BedTile tileOf(const Bed& bed) {
   return tile;
 }
 
-/// How many copies cover a box from its middle to one side.
+/// Number of copies that cover a box from its centre to one side.
 int copiesToSide(double box_m, double tile_m) {
   return static_cast<int>(std::ceil((box_m / tile_m - 1) / 2 - 1e-9));
 }
 
-/// Where the copies' middles lie along one axis. Where the box repeats itself their number may be even, and the middle
+/// Centres of the copies along one axis. In a periodic box their number may be even, and the centre
 /// of the box between two of them.
 std::vector<double> middles(double box_m, double tile_m, bool periodic) {
   std::vector<double> at;
@@ -179,7 +179,7 @@ std::vector<double> middles(double box_m, double tile_m, bool periodic) {
 }  // namespace
 
 BedParameters tileBed(const BedParameters& bed) {
-  // As validate() asks for: three reaches, so that nobody meets another grain from both sides.
+  // As validate() asks for: three reaches, so that no pair touches on both sides.
   BedParameters tile = bed;
   const double shortest = shortestPeriod(bed.soil);
   tile.width_m = edge(bed.width_m, bed.periodic_x, bed.soil.radius_m, shortest);
@@ -205,9 +205,9 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
   if (grains.empty()) {
     throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m), "deeper than a layer of macroparticles");
   }
-  // With friction, which so far was off: what it remembers then carries its share.
+  // With friction, which was off so far: its springs now carry their part.
   Bed rest(wanted, grains);
-  // Without friction it never stands still, and with hardly any not in time: then it is as calm as what is poured.
+  // Without friction it never stands still, and with very little not in time: then it is as calm as what is poured.
   const bool flows = wanted.soil.friction == FrictionModel::kContact && wanted.soil.contact_friction == 0;
   const double calm_after_s = flows ? fallingTime(wanted) : kCalmAfter * kLongestSettling_s;
   stepUntil(rest, progress, [&, still_m_s = restSpeed(wanted.soil.friction)](double time_s, double speed) {
@@ -239,7 +239,7 @@ LaidSoil laidOut(const BedTile& tile, const BedParameters& bed) {
         fmt::format("less: a box of this size would hold {:.3g} macroparticles of {:g} mm; {} are the most", in_all,
                     1e3 * bed.soil.radius_m, kMostParticles));
   }
-  // How far a grain stands in the sides: not at all where that is not above 0.
+  // Overlap of a particle with the sides: none if that is not above 0.
   const auto in_sides = [&bed](const Vec3& centre, double radius_m) {
     return std::max(bed.periodic_x ? 0 : std::abs(centre.x()) + radius_m - bed.width_m / 2,
                     bed.periodic_y ? 0 : std::abs(centre.y()) + radius_m - bed.length_m / 2);

@@ -21,35 +21,35 @@ struct TileContact {
 struct BedTile {
   double width_m = 0, length_m = 0;   ///< after which it repeats itself along x and y
   std::vector<Float4> grains;         ///< m, its middle at x = y = 0, floor at z = 0; w as in BedState
-  std::vector<std::uint32_t> firsts;  ///< where each grain's contacts begin, and where the last one's end
+  std::vector<std::uint32_t> firsts;  ///< index of each particle's first contact, and the end of the last one's
   std::vector<TileContact> contacts;  ///< from both sides
-  std::vector<Slip> floor_slips;      ///< of each grain with contact friction, along x and y
+  std::vector<Slip> floor_slips;      ///< slip of each particle with contact friction, along x and y
 };
 
-/// The bed that settles to become the tile of `bed`. All that a tile depends on stands in it: beds of one soil, depth,
-/// seed, gravity and tick share a tile, and those that repeat themselves after as long.
+/// The bed that settles to become the tile of `bed`. It holds everything that a tile depends on: beds of one soil,
+/// depth, seed, gravity and tick share a tile, and those that repeat themselves after as long.
 /// @throws InvalidParameter when a tile would have too many particles.
 [[nodiscard]] BedParameters tileBed(const BedParameters& bed);
 
 /// Called now and then while a tile settles, as SettleProgress.
 using TileProgress = std::function<bool(double time_s, double speed_m_s)>;
 
-/// Lets the tile of `bed` settle: falls without friction, is levelled at `depth_m`, and comes to rest again with
-/// friction, whose memory then carries. The same for any number of threads. Takes seconds.
+/// Lets the tile of `bed` settle: falls without friction, is levelled at `depth_m`, and settles again with
+/// friction, whose springs then carry load. Bit-identical for any number of threads. Takes seconds.
 /// @throws Failure as Bed::settle().
 [[nodiscard]] BedTile settledTile(const BedParameters& bed, const TileProgress& progress);
 
-/// Soil laid out in a box. It goes on behind the box's sides for as far as contacts reach, and is held there: so what
-/// is free has each of its neighbours, and is at rest in the box as it was in the tile. Beside smooth walls, where the
-/// grains that stand in them are left out, half a layer would be missing; soil slumps into that, and carries the whole
-/// bed with it for seconds, however wide.
+/// Soil laid out in a box. It continues outside the box's sides as far as contacts reach, and is held there: free
+/// particles have all their neighbours, and are at rest in the box as in the tile. Next to smooth walls, where the
+/// particles that overlap them are left out, half a layer would be missing; soil slumps into that, and carries the
+/// whole bed with it for seconds, however wide.
 struct LaidSoil {
   std::vector<Float4> grains;          ///< in spatial order, first those that are free, then those that are held
-  std::vector<std::uint32_t> sources;  ///< the tile's grain that each is a copy of
-  std::size_t free = 0;                ///< how many are
+  std::vector<std::uint32_t> sources;  ///< source particle of each copy in the tile
+  std::size_t free = 0;                ///< number of free particles
 };
 
-/// How far held soil reaches beyond what is free, in m: as far as a contact. 0 in beds without.
+/// Width of the held soil around the free soil, in m: the reach of a contact. 0 in beds without held soil.
 [[nodiscard]] double heldWidth(const BedParameters& bed);
 
 /// Friction and cohesion of the side walls over the soil's: BedParameters::wall_friction_ratio, but 0 behind held soil.

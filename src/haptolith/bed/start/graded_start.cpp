@@ -18,11 +18,11 @@ namespace haptolith {
 
 namespace {
 
-/// How thick the shell of a class is around finer ones, in its diameters: wide enough that grains four times as large
+/// Thickness of a class's shell around finer ones, in its diameters: wide enough that particles four times as large
 /// as others do not touch them.
 constexpr double kShell = 2;
 
-/// How deep a grain may stand in others where they are joined, in its radius; settling parts them.
+/// Maximum overlap of joined particles, in the radius; settling separates them.
 constexpr double kMostOverlap = 0.3;
 
 std::vector<Float4> freeOf(const LyingSoil& soil) {
@@ -123,7 +123,7 @@ GradedFilling::GradedFilling(const BedParameters& bed, const LyingSoil& coarse,
   }
 }
 
-/// A bed of one class that fills a region up to the surface and the gaps beside it, to be cut: it repeats itself, and
+/// A bed of one class that fills a region up to the surface and the gaps next to it, to be cut: it repeats itself, and
 /// is deeper than what is taken of it, for next to its floor grains lie in layers.
 BedParameters GradedFilling::tileFor(int grain_class) const {
   constexpr double kDeeper = 6, kWider = 2;  // radii
@@ -157,7 +157,7 @@ std::vector<Float4> GradedFilling::placed(std::vector<Float4> made, const BedPar
   const double y = middle(region.low_y, region.high_y, bed_.length_m);
   const double up = surface_m_ - surfaceOf(made, tile);
   for (Float4& grain : made) {
-    // What has crossed an end of a tile that repeats itself has gone to the other end.
+    // A particle that has crossed an end of a periodic tile is at the other end.
     grain.x = static_cast<float>(grain.x - tile.width_m * std::round(grain.x / tile.width_m) + x);
     grain.y = static_cast<float>(grain.y - tile.length_m * std::round(grain.y / tile.length_m) + y);
     grain.z = static_cast<float>(grain.z + up);
@@ -187,7 +187,7 @@ LyingSoil GradedFilling::filledUp(const std::vector<Float4>& free) const {
   StandingGrain standing(bed_);
   standing.add(free);
   LyingSoil all;
-  std::vector<Float4> left_out;  // of the class before, for want of a whole group: finer ones fill their place
+  std::vector<Float4> left_out;  // from the class before, without a complete group: finer ones fill their place
   for (int c = 0; c < classes_; ++c) {
     std::vector<Float4> own;
     std::ranges::copy_if(candidates_[static_cast<std::size_t>(c)], std::back_inserter(own), [&](const Float4& grain) {
@@ -200,7 +200,7 @@ LyingSoil GradedFilling::filledUp(const std::vector<Float4>& free) const {
     own.erase(whole, own.end());
     standing.add(own);
     if (c == 0) {
-      standing.add(held_);  // no room for finer ones; the free coarse ones have always stood beside them
+      standing.add(held_);  // no room for finer ones; the free coarse ones were always next to them
     }
     std::ranges::copy_if(free, std::back_inserter(own), [&](const Float4& grain) { return classes.of(grain.w) == c; });
     if (c + 1 == classes_ && own.empty()) {

@@ -7,11 +7,11 @@
 
 namespace haptolith {
 
-/// What a graded bed is filled with before its grains settle together.
+/// Initial filling of a graded bed before its particles settle together.
 ///
 /// The finest fill the box that Grading describes, each coarser class a shell of two of its diameters around it, and
-/// grains of the soil's own radius everything else. Every class is settled by itself, in a box that repeats itself, and
-/// cut out of that. Where coarser grains were cut away finer ones go on into the gaps that these have left.
+/// grains of the soil's own radius everything else. Every class is settled alone in a periodic box and
+/// cut out of that. Where coarser particles were cut away, finer ones continue into the gaps.
 class GradedFilling {
  public:
   /// @param coarse  the soil as it is without finer grains, at rest. @param settled  makes a bed of one size of grain.
@@ -19,7 +19,7 @@ class GradedFilling {
                 const std::function<std::vector<Float4>(const BedParameters&)>& settled);
 
   /// This soil and all that finds room in it, in whole groups of one class, coarsest first, then what is held. At first
-  /// nobody is there; when they have settled together, they have sunk, and there is room for more.
+  /// it is empty; when the particles have settled together, they have sunk, and there is room for more.
   /// @throws InvalidParameter when no soil is where fine grains are wanted.
   [[nodiscard]] LyingSoil filledUp(const std::vector<Float4>& free) const;
 
@@ -28,7 +28,7 @@ class GradedFilling {
   struct Region {
     double low_x, high_x, low_y, high_y, floor;
 
-    /// How far inside its sides and over its floor a grain's centre is, in m; negative outside.
+    /// Distance of a particle's centre from the region's sides and floor, in m; negative outside.
     [[nodiscard]] double depthOf(const Float4& grain) const;
     [[nodiscard]] bool holds(const Float4& grain) const { return depthOf(grain) > 0; }
     [[nodiscard]] Region grown(double by_m) const {
@@ -47,8 +47,8 @@ class GradedFilling {
   BedParameters bed_;
   int classes_;
   double surface_m_;
-  std::vector<Region> regions_;                  ///< of classes 1 and finer, the largest first
-  std::vector<std::vector<Float4>> candidates_;  ///< of each class
+  std::vector<Region> regions_;                  ///< regions of classes 1 and finer, the largest first
+  std::vector<std::vector<Float4>> candidates_;  ///< candidates of each class
   std::vector<Float4> held_;                     ///< behind the sides, coarse
 };
 

@@ -208,7 +208,7 @@ std::optional<BedTile> readyTileIn(std::string_view bytes, const BedParameters& 
   if (!sound) {
     return std::nullopt;
   }
-  // Of this bed, whose numbers may differ in their last digits.
+  // The numbers of this bed, which may differ in their last digits.
   tile.width_m = wanted.width_m;
   tile.length_m = wanted.length_m;
   if (wanted.soil.friction == FrictionModel::kContact) {

@@ -32,7 +32,7 @@ inline constexpr std::array kGrainRadii_m{7e-3,   6.4e-3, 5.8e-3,  5.3e-3, 4.8e-
 [[nodiscard]] std::optional<BedTile> readyTileIn(std::string_view bytes, const BedParameters& bed);
 
 /// Content of the file of that name; empty: there is none. The build writes this function (cmake/EmbedTiles.cmake); the
-/// demo reads what its page has brought.
+/// demo reads the file that its page has loaded.
 [[nodiscard]] std::string_view readyTileFile(std::string_view name);
 
 }  // namespace haptolith

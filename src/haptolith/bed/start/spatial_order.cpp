@@ -31,7 +31,7 @@ std::vector<std::size_t> spatialOrder(const std::vector<Vec3>& points_m, double 
     highest = highest.cwiseMax(point);
   }
   const Vec3 edges = highest - lowest + Vec3::Constant(2 * radius_m);
-  // Of a close packing as loose as these points are.
+  // Diameter in a close packing as loose as these points.
   const double diameter = std::cbrt(std::sqrt(2.0) * edges.prod() / static_cast<double>(points_m.size()));
   lowest -= Vec3::Constant(diameter / 4);  // the lowest of a packing are well inside their cells
   std::vector<Place> places;

@@ -20,18 +20,18 @@ namespace haptolith {
 
 namespace {
 
-/// Rocks at random places are of so many shapes, each turned another way: making one takes some milliseconds.
+/// Number of shapes of rocks at random places, each with another rotation: making one takes a few milliseconds.
 constexpr std::uint64_t kRockShapes = 12;
 
 /// Soil deeper in a stone than this share of its radius is not there with it, and the stone grows into the rest. With 1
-/// it would be as much soil as the stone is large; but beside a wall grains lie looser, as Desmond and Weeks 2009
+/// it would be as much soil as the stone is large; but particles are looser next to a wall, as Desmond and Weeks 2009
 /// (Phys. Rev. E 80, 051305) found for close packings: here as if the stone were a third of R larger all around
 /// (Stones.SoilAroundThemIsAsDenseAsElsewhere).
 constexpr double kDeepest = 0.65;
 constexpr double kGrowing_s = 0.2;
 
-/// What is laid with stones has come to rest when nothing in it moves faster, or has had so long a simulated time for
-/// it.
+/// A bed with stones has settled when nothing in it moves faster than this, or after this simulated
+/// time.
 constexpr double kAtRest_m_s = 2e-3;
 constexpr double kLongestBedding_s = 3;
 
@@ -208,7 +208,7 @@ void Bed::moveOutOfStones() {
       displaced.push_back(i);
     }
   }
-  // What lies on top of a column of soil and stones, as wide as a grain.
+  // The top of a column of soil and stones, as wide as a particle.
   std::mt19937_64 random(parameters_.stones.seed + 2);
   std::vector<bool> gone(particles());
   for (const std::size_t i : displaced) {

@@ -30,10 +30,10 @@ namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "tiles are little-endian");
 
-/// One more whenever a bed settles to other bits than before: with the golden hashes
+/// Incremented whenever a bed settles to other bits: with the reference hashes
 /// (tests/scene_file/golden_test.cpp).
 constexpr int kLaw = 2;
-/// The same of beds of several sizes alone.
+/// As above, for graded beds alone.
 constexpr int kGradedLaw = 2;
 /// One more whenever a file is laid out otherwise.
 constexpr int kFormat = 1;
@@ -105,7 +105,7 @@ bool finite(const Slip& slip) {
   return std::isfinite(slip.x) && std::isfinite(slip.y) && std::isfinite(slip.z);
 }
 
-/// Soil that somebody asks for: what it depends on, and what it then is like.
+/// A requested soil: its inputs, and the properties of the result.
 struct Wanted {
   std::string key;
   BedParameters bed;
@@ -119,7 +119,7 @@ bool isSound(const BedTile& tile, const Wanted& soil) {
   const bool remembers = wanted.soil.friction == FrictionModel::kContact;
   const auto within = [&](const Float4& p) {
     return std::abs(p.x) <= wanted.width_m && std::abs(p.y) <= wanted.length_m && std::abs(p.z) <= soil.highest_m &&
-           std::abs(p.w) <= wanted.soil.radius_m;  // false for NaN, too
+           std::abs(p.w) <= wanted.soil.radius_m;  // also false for NaN
   };
   const auto known = [&](const TileContact& contact) { return contact.other < n && finite(contact.slip); };
   return n > 0 && tile.width_m == wanted.width_m && tile.length_m == wanted.length_m && tile.firsts.size() == n + 1 &&
@@ -200,7 +200,7 @@ void makeRoom(const fs::path& folder) {
   }
 }
 
-/// Writes a file that nobody asked for, so none that the user is told of: whole or not at all.
+/// Writes a cache file, without listing it for the user: completely or not at all.
 void writeTile(const fs::path& file, const std::string& bytes) {
   const auto fail = [&](const char* what) {
     tell(fmt::format("cannot {} {}: {}; soil settles anew each time (HAPTOLITH_CACHE names another folder)", what,
@@ -253,7 +253,7 @@ std::vector<double> numbersOf(const BedParameters& bed) {
   return numbers;
 }
 
-/// What a bed of one size of grain depends on while it settles.
+/// Inputs of a bed of one particle size while it settles.
 std::string keyOf(const BedParameters& bed) {
   std::string key =
       fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw, simdTarget(),
@@ -264,7 +264,7 @@ std::string keyOf(const BedParameters& bed) {
   return key;
 }
 
-/// What a bed of several sizes depends on beside that.
+/// Additional inputs of a graded bed.
 std::string gradedKey(const BedParameters& bed) {
   const Grading& grading = bed.grading;
   static_assert(sizeof(Grading) == 6 * sizeof(double), "a new number of the grading belongs in the key");
@@ -278,7 +278,7 @@ std::string gradedKey(const BedParameters& bed) {
   return key;
 }
 
-/// How high grains can lie at most that have settled, however loosely.
+/// Upper bound of the height of settled particles, however loose.
 double highestOf(const BedParameters& bed) {
   constexpr double kLoosest = 8, kLayersMore = 20;  // volume of a grain in R^3
   const double r = bed.soil.radius_m;

@@ -11,16 +11,16 @@
 
 namespace haptolith {
 
-/// Where tiles of settled soil are kept between runs, from now on; an empty name keeps none, as at first. What goes
-/// wrong with it is told `tell`, in a line each, and no bed is the worse for it. Not for the tick, and before any bed
+/// Sets the folder that keeps tiles of settled soil between runs; an empty name, the default, keeps none. Problems are
+/// reported to `tell`, in a line each, and do not affect any bed. Not for the tick, and before any bed
 /// is made.
 void useTileCache(const std::filesystem::path& folder, std::function<void(std::string_view)> tell = {});
 
-/// Where that is as the environment says: HAPTOLITH_CACHE, which may be "off", else a folder of the user's caches;
-/// empty: nowhere.
+/// The folder from the environment: HAPTOLITH_CACHE, which may be "off", else a folder of the user's caches;
+/// empty: none.
 [[nodiscard]] std::filesystem::path tileFolder();
 
-/// settledTile() from the cache, or made and put there. A file that is damaged, or of another tile, is made anew; a
+/// settledTile() from the cache, or made and put there. A file that is damaged, or of another tile, is replaced; a
 /// folder that cannot be written, or a full disk, keeps nothing.
 /// @throws as settledTile().
 [[nodiscard]] BedTile cachedTile(const BedParameters& bed, const TileProgress& progress);
@@ -29,12 +29,12 @@ void useTileCache(const std::filesystem::path& folder, std::function<void(std::s
 [[nodiscard]] std::vector<Float4> cachedGradedGrains(const BedParameters& bed,
                                                      const std::function<std::vector<Float4>()>& settled);
 
-/// All that the tile of a bed depends on, as text: the numbers of tileBed() to the last bit, the instruction set, and
-/// which law and format these are.
+/// All inputs of a bed's tile, as text: the exact numbers of tileBed(), the instruction set, and
+/// the versions of law and format.
 [[nodiscard]] std::string tileKey(const BedParameters& bed);
 
-/// What a tile that ships with the program (ready_tile.h) is of, as text: the numbers of tileBed() to six digits, and
-/// which law it settled by, but no instruction set, for soil at rest is at rest with each.
+/// Inputs of a tile that ships with the program (ready_tile.h), as text: the numbers of tileBed() to six digits, and
+/// the version of the law, but no instruction set, because soil at rest is at rest with each.
 [[nodiscard]] std::string readyTileKey(const BedParameters& bed);
 
 /// "tile-" and the hash of its key.

@@ -1,4 +1,4 @@
-// Of a library beside libhaptolith: what went wrong is told by that one's hapto_last_error().
+// For a companion library of libhaptolith: errors are reported by hapto_last_error() of libhaptolith.
 
 #include <string>
 

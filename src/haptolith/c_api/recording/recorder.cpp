@@ -117,7 +117,7 @@ class Recorder {
       if (!gone) {  // another thread has the loop: what waits can still be taken
         throw;
       }
-    } catch (const Failure&) {  // told below
+    } catch (const Failure&) {  // reported below
     }
     finished_ = true;
     writer_.finish(lost_ - lost_before_);

@@ -24,7 +24,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What of a text is no UTF-8 is replaced.
+/// Serialises a text; invalid UTF-8 is replaced.
 std::string dumped(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -148,7 +148,7 @@ class Recording {
 
  private:
   RecordingReader reader_;
-  std::string different_, ended_early_;  ///< of the last verification
+  std::string different_, ended_early_;  ///< results of the last verification
 };
 
 }  // namespace haptolith::library

@@ -72,7 +72,7 @@ std::string_view irreplaceable(const fs::path& path) {
 
 void requireFree(const OutputFile& file) {
   const fs::path& path = file.path;
-  std::error_code ignored;  // what cannot be looked at cannot be replaced either, and the rename says why
+  std::error_code ignored;  // a path without access cannot be replaced either, and the rename reports why
   if (!fs::exists(fs::symlink_status(path, ignored))) {
     return;
   }
@@ -148,7 +148,7 @@ void giveName(const fs::path& made, const fs::path& name, IfThere if_there) {
 AtomicFile::AtomicFile(OutputFile file) : target_(std::move(file)) {
   requireFree(target_);
   std::error_code ignored;
-  if (fs::exists(target_.path, ignored) && fs::is_symlink(target_.path, ignored)) {  // what it leads to is replaced
+  if (fs::exists(target_.path, ignored) && fs::is_symlink(target_.path, ignored)) {  // its target is replaced
     target_.path = fs::canonical(target_.path);
   }
   temporary_ = temporaryBeside(target_.path, "part");

@@ -9,18 +9,17 @@
 
 namespace haptolith {
 
-/// What becomes of a file that has the name already. The program asks its user before it takes anything away: the
-/// option --overwrite.
+/// Policy for a file that already has the name. Replacing one needs the user's consent: the option --overwrite.
 enum class IfThere { kRefuse, kReplace };
 
-/// Who may read what is written: everybody whom the umask allows, or the owner alone.
+/// Readers of the written file: all that the umask allows, or the owner alone.
 enum class Readers { kAsUsual, kOwner };
 
 /// The name of a file to be written, and how.
 struct OutputFile {
   template <class Path>
   requires std::is_convertible_v<Path, std::filesystem::path>
-  // NOLINTNEXTLINE(google-explicit-constructor): a path alone is a file that nobody may lose
+  // NOLINTNEXTLINE(google-explicit-constructor): a bare path means: do not overwrite
   OutputFile(const Path& where, IfThere if_it_is_there = IfThere::kRefuse, Readers who = Readers::kAsUsual)
       : path(where), if_there(if_it_is_there), readers(who) {}
 
@@ -29,20 +28,20 @@ struct OutputFile {
   Readers readers;
 };
 
-/// "a recording" (HDF5) or "a study" (SQLite) when a file begins like one: what nobody can draw or compute again. Empty
+/// "a recording" (HDF5) or "a study" (SQLite) when a file begins like one: both cannot be made again. Empty
 /// for any other.
 [[nodiscard]] std::string_view irreplaceable(const std::filesystem::path& path);
 
 /// @throws Failure when `file` may not be written: it is there and may not be replaced; it is a recording or a study,
-/// which no other kind of file ever replaces; this program has read it (input_file.h); nobody may write to it; it is no
-/// regular file.
+/// which no other kind of file ever replaces; this program has read it (input_file.h); it is write-protected; it is not
+/// a regular file.
 void requireFree(const OutputFile& file);
 
 /// The most that file systems take for a name, without its folder.
 inline constexpr std::size_t kLongestName_bytes = 255;
 
-/// "x-3f2a...9c" beside `path`, hidden, with its extension: a name that nobody can guess.
-/// @param longest_bytes  of the name, where another program adds an ending to it.
+/// "x-3f2a...9c" beside `path`, hidden, with its extension: an unguessable name.
+/// @param longest_bytes  limit of the name's length, where another program adds an ending to it.
 [[nodiscard]] std::filesystem::path temporaryBeside(const std::filesystem::path& path, std::string_view what,
                                                     std::size_t longest_bytes = kLongestName_bytes);
 
@@ -53,14 +52,15 @@ inline constexpr std::size_t kLongestName_bytes = 255;
 /// name by then. @throws Failure.
 void giveName(const std::filesystem::path& made, const std::filesystem::path& name, IfThere if_there);
 
-/// Remembers that this program has written a file or a folder, to tell its user at the end (giveName() does so).
+/// Remembers that this program has written a file or a folder, to list them for the user at the end (giveName() does
+/// so).
 void rememberOutput(const std::filesystem::path& path);
 
-/// What this program has written and is still there: in that order, each once.
+/// Files that this program has written and that still exist: in that order, each once.
 [[nodiscard]] std::vector<std::filesystem::path> filesWritten();
 
-/// A file that appears whole or not at all: written beside its name, renamed on commit(), removed otherwise. Of a
-/// symbolic link, what it leads to is replaced. Not for the tick.
+/// A file that appears completely or not at all: written next to its name, renamed on commit(), removed otherwise. The
+/// target of a symbolic link is replaced. Not for the tick.
 class AtomicFile {
  public:
   /// @throws Failure when the folder does not exist or cannot be written, and as requireFree().
@@ -74,10 +74,10 @@ class AtomicFile {
 
   /// Flushes to the disk and renames. Nothing may be written afterwards.
   /// @throws Failure as write(); and when another file has come to have the name that may not be replaced: then this
-  /// one is kept beside it, and the message says under which name.
+  /// one is kept next to it, and the message names it.
   void commit();
 
-  /// Where the bytes are until commit(); other programs (ffmpeg) may write there.
+  /// Path of the bytes until commit(); other programs (ffmpeg) may write there.
   [[nodiscard]] const std::filesystem::path& temporaryPath() const noexcept { return temporary_; }
 
  private:

@@ -24,7 +24,7 @@ fs::path withoutSlash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
 
-/// Names may be made of what somebody has written.
+/// Names may contain text from users.
 void requireInside(const fs::path& name) {
   const bool inside = !name.empty() && name.is_relative() &&
                       std::ranges::none_of(name, [](const fs::path& part) { return part == ".." || part == "."; });

@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// A folder that appears with all its files or not at all: made beside its name, renamed on commit(), removed
+/// A folder that appears with all its files or not at all: made next to its name, renamed on commit(), removed
 /// otherwise. Not for the tick.
 class AtomicFolder {
  public:
@@ -19,11 +19,11 @@ class AtomicFolder {
   AtomicFolder(const AtomicFolder&) = delete;
   AtomicFolder& operator=(const AtomicFolder&) = delete;
 
-  /// Writes a file; the folders it lies in are made.
+  /// Writes a file and creates its parent folders.
   /// @throws Failure with the path and the system's reason; for a name that leads out of the folder, or is taken.
   void write(const std::filesystem::path& name, std::string_view bytes) const;
 
-  /// Where the folder is until commit(); a library that wants a path may write there.
+  /// Path of the folder until commit(); a library that needs a path may write there.
   [[nodiscard]] const std::filesystem::path& makingPath() const noexcept { return making_; }
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 

@@ -106,7 +106,7 @@ bool LineReader::next(std::string& line) {
   }
   ++number_;
   for (; !Traits::eq_int_type(letter, Traits::eof()); letter = text_.sbumpc()) {
-    if (++bytes_ > limits_.bytes) {  // a file that grows, or one whose size the system does not tell
+    if (++bytes_ > limits_.bytes) {  // a file that grows, or one whose size the system does not report
       throw InvalidParameter(name_, fmt::format("more than {}", sizeText(limits_.bytes)),
                              "at most " + sizeText(limits_.bytes));
     }

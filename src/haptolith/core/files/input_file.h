@@ -10,8 +10,8 @@
 
 namespace haptolith {
 
-/// Opens a file that somebody has made, to be read. Regular files only: a pipe or a device may have no end, or nothing
-/// to give. Not for the tick.
+/// Opens a user's file for reading. Regular files only: a pipe or a device may have no end, or no data. Not for the
+/// tick.
 /// @throws InvalidParameter when there is no such file, or a larger one, or something else of that name; Failure when
 /// it cannot be read.
 [[nodiscard]] std::ifstream openInput(const std::filesystem::path& path, std::uintmax_t most_bytes);
@@ -22,11 +22,11 @@ void rememberInput(const std::filesystem::path& path);
 /// Whether a file is one of those that this program has read, under whatever name.
 [[nodiscard]] bool isInput(const std::filesystem::path& path);
 
-/// What a text may be at most.
+/// Limits of a text.
 struct TextLimits {
   std::uintmax_t bytes;
   std::size_t line_bytes;
-  int rows;  ///< for whoever counts rows
+  int rows;  ///< for readers that count rows
 };
 
 /// Reads the lines of a text, each no longer than its limit. Lines end with LF, CRLF or CR. Ends when stopAsked().
@@ -39,7 +39,7 @@ class LineReader {
   /// @throws InvalidParameter for a line or a text that is too long; Failure when stopAsked().
   [[nodiscard]] bool next(std::string& line);
 
-  /// Of the line that next() gave; 1 is the first.
+  /// Number of the line that next() returned; 1 is the first.
   [[nodiscard]] int number() const noexcept { return number_; }
 
   /// Whether the line that next() gave has a line end; the last line of a file that is cut off has none.

@@ -39,7 +39,7 @@ class JsonValue {
   /// Refuses every key that neither at(), find() nor members() of this object has returned.
   void refuseOtherKeys() const;
 
-  [[nodiscard]] std::size_t size() const noexcept;  ///< of a list; 0 of anything else
+  [[nodiscard]] std::size_t size() const noexcept;  ///< length of a list; 0 for any other value
   [[nodiscard]] JsonValue at(std::size_t index) const;
   [[nodiscard]] std::vector<JsonValue> list(std::size_t min_size = 0, std::size_t max_size = kAnySize) const;
 
@@ -75,7 +75,7 @@ class JsonValue {
 };
 
 struct JsonLimits {
-  int depth = 32;  ///< of brackets
+  int depth = 32;  ///< of nested brackets
   std::size_t values = JsonValue::kAnySize;
 };
 

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kMostColumns = 1000;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// How files begin that people take for tables.
+/// First bytes of files that are mistaken for tables.
 struct ForeignFile {
   std::string_view beginning, name, remedy;
 };
@@ -307,7 +307,7 @@ void Table::readCells() {
   }
 }
 
-/// Adds the cells of a line; whether it ends inside a quote that the next line goes on with.
+/// Adds the cells of a line; returns whether it ends inside a quote that the next line continues.
 bool Table::takeLine(std::string_view line) {
   std::size_t at = 0;
   if (quote_open_) {

@@ -14,7 +14,7 @@
 
 namespace haptolith {
 
-/// What a reader knows of a table.
+/// Format of a table as its reader expects it.
 struct TableFormat {
   /// Names of the columns that are read. They settle which of comma, semicolon and tab separates the cells.
   std::span<const std::string_view> columns;
@@ -35,7 +35,7 @@ struct TableFormat {
 ///   - columns in any order and in any case, among others, which are ignored
 ///   - numbers such as 1, +1.5, 1e3; 1,5 where the separator is no comma, but not next to 1.5
 ///
-/// Every refusal is an InvalidParameter with file, line and column, what stood there and what was expected. Not for the
+/// Every refusal is an InvalidParameter with file, line and column, the text found and the text expected. Not for the
 /// tick.
 class Table {
  public:
@@ -115,7 +115,7 @@ class Table {
   bool code_first_ = false;
 
   std::string line_;      ///< as the file has it
-  int line_number_ = 0;   ///< of the row's beginning
+  int line_number_ = 0;   ///< first line of the row
   bool waiting_ = false;  ///< line_ has been read, and is not yet a row
   bool begins_with_hash_ = false;
   char separator_ = ',';

@@ -7,13 +7,14 @@
 
 namespace haptolith {
 
-/// Where something is worked out that takes longer than its caller may.
+/// Place of a computation that takes longer than its caller may wait.
 enum class Work : std::uint8_t {
-  kAtOnce,  ///< where it is asked for: the same steps on every run
-  kBeside,  ///< on a thread of its own
+  kAtOnce,  ///< in the calling thread: the same steps on every run
+  kBeside,  ///< on a separate thread
 };
 
-/// Whether there are threads: in a browser there is one, and what should be worked out beside is so when it is fetched.
+/// Whether there are threads: a browser has one only, and work for a separate thread is done there when its result is
+/// fetched.
 #if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
 inline constexpr bool kHasThreads = false;
 #else

@@ -71,7 +71,7 @@ Pipe::Pipe() {
 }
 
 bool writeAll(const Descriptor& to, std::string_view bytes, const Deadline& deadline) {
-  // What a pipe that is ready always takes: a larger piece could wait for a reader that has hung up or hangs.
+  // A ready pipe always accepts this many bytes: a larger piece could wait for a reader that has hung up or hangs.
   constexpr std::size_t kPiece = 4096;
   while (!bytes.empty()) {
     waitFor(to, POLLOUT, deadline);
@@ -120,7 +120,7 @@ std::string contentOf(const Descriptor& file) {
 
 namespace {
 
-/// What execvpe() takes of a list of texts.
+/// A list of texts as execvpe() takes it.
 std::vector<char*> pointersTo(const std::vector<std::string>& texts) {
   std::vector<char*> pointers;
   pointers.reserve(texts.size() + 1);
@@ -137,19 +137,19 @@ struct Start {
   const std::vector<ChildProcess::Given>& given;
   pid_t parent;
   rlim_t most_cpu_s;
-  int error_to;  ///< where to tell why it could not be started
+  int error_to;  ///< descriptor for the reason of a failed start
 };
 
 /// Becomes the program. Only calls that are safe after a fork of a program with threads.
 [[noreturn]] void become(const Start& start) noexcept {
-  // A group of its own, so that it can be killed with its own children and the terminal's Ctrl-C passes it by.
+  // A separate process group: it can be killed with its children, and the terminal's Ctrl-C does not reach it.
   setpgid(0, 0);
   // It ends with the thread that has started it, however that ends; who has gone already sends no signal any more.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != start.parent) {
     _exit(EXIT_FAILURE);
   }
-  // What escapes all that, children of the child for example, does not spin for ever either.
+  // Processes that escape all that, children of the child for example, do not spin for ever.
   const rlimit cpu{start.most_cpu_s, start.most_cpu_s};
   setrlimit(RLIMIT_CPU, &cpu);
   // Signals as a program expects them at its start.
@@ -188,7 +188,7 @@ ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& giv
               .error_to = -1};
   start.environment.pop_back();
   for (char** variable = environ; *variable != nullptr; ++variable) {
-    // A name that stands there twice means the first to some programs and the last to others, such as shells.
+    // A name that appears twice means the first to some programs and the last to others, such as shells.
     const std::string_view ours(*variable);
     const std::string_view name = ours.substr(0, ours.find('=') + 1);
     const auto has_name = [name](const std::string& variable_set) { return variable_set.starts_with(name); };
@@ -247,8 +247,8 @@ bool ChildProcess::endsWithin(std::chrono::milliseconds timeout) {
   return !running_;
 }
 
-/// Sees whether it has ended, without letting go of its number (WNOWAIT): until the destructor no other group of
-/// processes can have that, and what the program has left running can still be killed by it.
+/// Checks whether it has ended and keeps its number reserved (WNOWAIT): until the destructor no other process group can
+/// have that number, and processes that the program left running can still be killed by it.
 void ChildProcess::look(int options) {
   siginfo_t ended{};
   if (waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOWAIT | options) == 0 && ended.si_pid != 0) {

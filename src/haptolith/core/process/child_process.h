@@ -36,13 +36,13 @@ struct Pipe {
   Descriptor to_read, to_write;
 };
 
-/// How long to wait for the other end of a pipe.
+/// Time limit for the other end of a pipe.
 struct Deadline {
   std::chrono::steady_clock::time_point until = std::chrono::steady_clock::time_point::max();
-  const std::function<bool()>& stopped;  ///< whether nobody wants the result any more; asked ten times a second
+  const std::function<bool()>& stopped;  ///< whether the result is no longer needed; polled at 10 Hz
 };
 
-/// Writes all of `bytes`; false when nobody reads them any more, if SIGPIPE is ignored.
+/// Writes all of `bytes`; false when the reader has closed the pipe, if SIGPIPE is ignored.
 /// @throws Failure when the deadline has passed or the work is stopped.
 [[nodiscard]] bool writeAll(const Descriptor& to, std::string_view bytes, const Deadline& deadline);
 
@@ -62,7 +62,7 @@ struct Deadline {
 /// means. Not for the tick, and not while it ticks: the fork makes every page that is written to fault once.
 class ChildProcess {
  public:
-  /// A descriptor of ours, and the number under which the child finds it.
+  /// A descriptor of this process, and its number in the child.
   struct Given {
     const Descriptor& ours;
     int number;
@@ -71,8 +71,8 @@ class ChildProcess {
   struct Command {
     std::vector<std::string> arguments;    ///< the program first, looked for in PATH
     std::string package;                   ///< Debian's, that brings it
-    std::vector<std::string> environment;  ///< "NAME=value", beside what we have ourselves
-    std::chrono::seconds most_cpu{300};    ///< of a processor's time, for it and each that it starts
+    std::vector<std::string> environment;  ///< "NAME=value", in addition to this process's environment
+    std::chrono::seconds most_cpu{300};    ///< limit of CPU time, for it and each process that it starts
   };
 
   /// Starts the program; it sees no descriptor but the given ones.

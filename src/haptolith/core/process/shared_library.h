@@ -5,14 +5,14 @@
 
 namespace haptolith {
 
-/// A library that is looked for while the program runs, because not everybody has it. Not for the tick.
+/// A library that is loaded while the program runs, because not every machine has it. Not for the tick.
 class SharedLibrary {
  public:
   /// @param path  a file; a bare name ("libdrd.so.3") is left to the loader to find.
   /// @throws Failure with the loader's reason.
   explicit SharedLibrary(std::filesystem::path path);
 
-  /// What the constructor was given.
+  /// Path that the constructor was given.
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 
   /// The address of a function, which becomes whichever type of function pointer it is assigned to.

@@ -6,7 +6,7 @@
 
 namespace haptolith {
 
-/// A stack of its own for the handlers of signals (SA_ONSTACK) that interrupt the calling thread, as long as it lives:
+/// A separate stack for the handlers of signals (SA_ONSTACK) that interrupt the calling thread, as long as it lives:
 /// when the thread's own stack has overflowed, a handler could not run on that. May itself lie on that stack, whose end
 /// is far below.
 class SignalStack {

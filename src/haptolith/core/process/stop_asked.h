@@ -4,7 +4,7 @@
 
 namespace haptolith {
 
-/// Whether somebody wants the work to end, by Ctrl-C for example; long work looks at it now and then.
+/// Whether the work should end, after Ctrl-C for example; long work polls it.
 [[nodiscard]] std::atomic<bool>& stopAsked() noexcept;
 
 /// @throws Failure "interrupted" when stopAsked().

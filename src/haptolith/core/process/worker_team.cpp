@@ -12,12 +12,12 @@ namespace haptolith {
 
 namespace {
 
-/// Looks so long before going to sleep: longer than the gap between two substeps of one tick, for it takes some 100 us
-/// to be woken; much shorter than a tick, so that nobody burns a core that somebody else could use.
+/// Time of polling before going to sleep: longer than the gap between two substeps of one tick, because a wake-up takes
+/// about 100 us; much shorter than a tick, so that no core is kept from other programs.
 constexpr std::int64_t kLooking_ns = 50'000;
 constexpr int kLooksBetweenClocks = 64;
 
-/// For each nanosecond lost in waiting so many are worked alone: at most a fifth of the time is ever lost to a helper
+/// Time worked alone per nanosecond lost in waiting: at most a fifth of the time is ever lost to a helper
 /// whose core is taken away again and again, as on a machine that others share, where loops in company once took fifty
 /// times as long as alone; and a single mishap of 1 ms costs no more than four ticks of help.
 constexpr std::int64_t kAloneForEachLost = 4;

@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// How the system schedules the threads that help another. Aligned so that every compiler stores it without a lock.
+/// Scheduling of the threads that help another. Aligned so that every compiler stores it without a lock.
 struct alignas(8) HelperSchedule {
   int priority = 0;      ///< real-time priority; 0: none
   int avoided_cpu = -1;  ///< CPU that they keep off, if there is another; -1: none
@@ -18,10 +18,9 @@ struct alignas(8) HelperSchedule {
 /// A few threads that share out the parts of a loop, and sleep between the loops. run() does not allocate, lock or
 /// throw.
 ///
-/// Each thread works through a range of its own first, the same one in every loop, so that what it has in its cache is
-/// what it needs; then it takes parts that others have not come to. A thread whose core has been taken away so holds up
-/// nobody but by the part that it is in; and whoever has waited for one longer than it has worked itself goes on alone
-/// for a while.
+/// Each thread first works through its own range, the same one in every loop, so that its cache holds the data it
+/// needs; then it takes parts that other threads have not started. A preempted thread therefore delays the loop by one
+/// part at most. A thread that has waited for another longer than it has worked itself continues alone for a while.
 class WorkerTeam {
  public:
   /// `threads` counts the caller, so 1 makes no thread at all.
@@ -49,8 +48,8 @@ class WorkerTeam {
   void schedule(const HelperSchedule& schedule) noexcept { schedule_.store(schedule, std::memory_order_relaxed); }
 
  private:
-  /// Parts that one thread begins with: number of the loop (32 bits), end (16), next (16), in one so that nobody takes
-  /// a part of a loop that is over.
+  /// Parts that one thread begins with: number of the loop (32 bits), end (16), next (16), in one so that no thread
+  /// takes a part of a loop that is over.
   struct alignas(64) Range {
     std::atomic<std::uint64_t> ticket{0};
   };

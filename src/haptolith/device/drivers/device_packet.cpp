@@ -27,7 +27,7 @@ bool isWithin(double largest, const Vec3& v) noexcept {
   return v.cwiseAbs().maxCoeff() <= largest;
 }
 
-/// What is wrong with a packet's values; nothing for a good one.
+/// Fault in a packet's values; empty for a valid one.
 std::optional<PacketFault> faultIn(const DevicePacket& packet) noexcept {
   const bool finite = packet.pose.position_m.allFinite() && packet.pose.orientation.coeffs().allFinite() &&
                       packet.twist.linear_m_s.allFinite() && packet.twist.angular_rad_s.allFinite() &&

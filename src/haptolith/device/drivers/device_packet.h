@@ -12,7 +12,7 @@
 
 namespace haptolith {
 
-/// What a program that holds the tool sends, a thousand times a second, to be the network device. One UDP packet of 136
+/// Packet that a program sends at 1 kHz to hold the tool as the network device. One UDP packet of 136
 /// bytes, little-endian, numbers as IEEE 754 doubles, in the sender's own right-handed frame:
 ///
 ///     offset  type    what
@@ -37,19 +37,19 @@ struct DevicePacket {
   std::uint32_t sequence = 0;
   std::uint32_t buttons = 0;
   std::uint64_t sender_time = 0;
-  Pose pose;    ///< of the handle, device frame
-  Twist twist;  ///< of the handle, device frame
+  Pose pose;    ///< handle, device frame
+  Twist twist;  ///< handle, device frame
   double gripper_open = 0;
 };
 
-/// What it is sent: what its hand shall feel. One answer at most to each packet, after a tick; and one more, with zero
-/// force, when it falls silent and when it is let go. One UDP packet of 80 bytes:
+/// Answer to it: the force for its hand. At most one answer to each packet, after a tick; and one more, with zero
+/// force, when it falls silent and when it is released. One UDP packet of 80 bytes:
 ///
 ///     offset  type    what
 ///          0  u8[4]   "HLAN"
 ///          4  u16     version, 1
 ///          6  u16     flags: bit 0 the sender is trusted (its packets are fresh and its dead-man switch is held);
-///                            bit 1 forces have been let go and stay zero
+///                            bit 1 forces have been released and stay zero
 ///          8  u32     sequence number of the newest packet that was taken
 ///         12  u32     number of this answer, one more with each
 ///         16  u64     the sender's time in that packet: now less this is the round trip
@@ -82,9 +82,9 @@ enum class PacketFault : std::uint8_t {
 };
 inline constexpr std::size_t kPacketFaults = 6;
 
-/// Reads a packet from anybody; none when it is malformed, for the first reason in PacketFault's order. The quaternion
-/// comes out of exactly unit length. May be called in the tick.
-/// @param fault  set when there is none.
+/// Reads a packet from any sender; empty when it is malformed, for the first reason in PacketFault's order. The
+/// quaternion comes out of exactly unit length. May be called in the tick.
+/// @param fault  set when the result is empty.
 [[nodiscard]] std::optional<DevicePacket> parse(std::span<const std::byte> bytes,
                                                 PacketFault* fault = nullptr) noexcept;
 

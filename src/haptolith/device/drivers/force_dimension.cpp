@@ -15,13 +15,13 @@ namespace haptolith {
 
 namespace {
 
-/// So many failed reads in a row, 10 ms of them, are more than a hiccup of USB.
+/// Consecutive failed reads, 10 ms of them, that are more than a hiccup of USB.
 constexpr int kFailuresUntilLost = 10;
 
-/// A hand trembles at some 10 Hz by more than the 0.01 mm that an encoder resolves: it never rests for half a period.
+/// A hand trembles at about 10 Hz by more than the 0.01 mm that an encoder resolves: it never rests for half a period.
 constexpr int kSameReadsUntilStale = 50;
 
-/// How many reads pass until the device is asked again whether its forces are on.
+/// Number of reads between two queries whether the device's forces are on.
 constexpr std::uint64_t kReadsPerStatus = 50;
 
 /// The device's watchdog, in units of 125 us: 10 ms. Ten ticks late is no loop any more, and a hand moves no further
@@ -31,13 +31,13 @@ constexpr unsigned char kWatchdog = 80;
 /// Full force in three ticks: felt as a knock, but the motors' amplifiers follow.
 constexpr double kShortestRise_s = 0.003;
 
-/// The SDK does not tell how far a gripper opens. CHAI3D 3.2 gives 30 degrees for sigma.7 and omega.7.
+/// The SDK does not report the range of a gripper. CHAI3D 3.2 gives 30 degrees for sigma.7 and omega.7.
 constexpr double kWidestGripper_rad = 30 * std::numbers::pi / 180;
 
-/// How far R R^T may be from the identity.
+/// Tolerance of R R^T against the identity.
 constexpr double kRotationTolerance = 1e-3;
 
-/// What a device shows without getting hot or shaking. Numbers of CHAI3D 3.2, src/devices/CDeltaDevices.cpp
+/// Limits of a device that avoid overheating and oscillation. Numbers of CHAI3D 3.2, src/devices/CDeltaDevices.cpp
 /// (m_maxLinearForce, m_maxAngularTorque, m_maxGripperForce, m_maxLinearStiffness, m_maxAngularStiffness,
 /// m_workspaceRadius, and -m_posWorkspaceOffset as the centre). 0 where a device has no such motor.
 struct Model {
@@ -157,7 +157,7 @@ void ForceDimension::findZero(const ForceDimensionPlaces& places) {
   if (sdk_.drd_is_initialized(device_.id)) {
     return;
   }
-  if (type_ == ForceDimensionSdk::kFalcon) {  // it cannot move by itself
+  if (type_ == ForceDimensionSdk::kFalcon) {  // it has no motors for homing
     homeByHand(places.homing_patience_s);
     return;
   }
@@ -217,8 +217,8 @@ void ForceDimension::switchOn() {
 // --- the tick
 // ---------------------------------------------------------------------------------------------------------
 
-/// What was let go while the loop's thread was in the SDK is stopped when it is out. Either releaseForce() sees
-/// in_sdk_, or this thread sees released_: both are sequentially consistent.
+/// A device released while the loop's thread was in the SDK is stopped when the thread returns. Either releaseForce()
+/// sees in_sdk_, or this thread sees released_: both are sequentially consistent.
 class ForceDimension::InSdk {
  public:
   explicit InSdk(ForceDimension& device) noexcept : device_(device) { device_.in_sdk_ = pthread_self(); }
@@ -269,7 +269,7 @@ DeviceInput ForceDimension::read() noexcept {
   return last_;
 }
 
-/// Reads all that the device tells. `now` is filled only when all of it is good.
+/// Reads the complete state. `now` is filled only when all of it is valid.
 ForceDimension::Trouble ForceDimension::measure(DeviceInput& now) noexcept {
   const char id = device_.id;
   Reading reading;
@@ -326,7 +326,7 @@ ForceDimension::Trouble ForceDimension::measure(DeviceInput& now) noexcept {
   return Trouble::kNone;
 }
 
-/// Whether this reading is the one before to the last bit.
+/// Whether this reading is bit-identical to the one before.
 bool ForceDimension::holdsStill(const Reading& reading) noexcept {
   const bool same = reading.position_m == reading_.position_m && reading.rotation == reading_.rotation &&
                     reading.gripper_rad == reading_.gripper_rad;
@@ -389,7 +389,7 @@ int ForceDimension::send(const DeviceOutput& output) noexcept {
                                                      torque.z(), gripper, device_.id);
 }
 
-// --- letting go
+// --- releasing
 // -------------------------------------------------------------------------------------------------------
 
 void ForceDimension::releaseForce() noexcept {

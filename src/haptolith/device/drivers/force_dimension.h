@@ -16,15 +16,16 @@
 namespace haptolith {
 
 /// A sigma.7, omega, delta or lambda of Force Dimension, or a Novint Falcon, through Force Dimension's SDK, which is
-/// looked for when the program runs (ForceDimensionSdk). What it can do is asked of the device itself: whether its
+/// loaded when the program runs (ForceDimensionSdk). Capabilities are queried from the device: whether its
 /// handle turns, is turned, grips, is gripped, and for which hand it is.
 ///
 /// It is kLive while every call works. It is kStale, and the loop shows no force,
-///   - when a call fails, a value is not finite or the handle's turn is no rotation; the pose is the last good one;
-///   - when the pose stays the same to the last bit for 50 reads (50 ms) while a force is shown: the encoders of a
+///   - when a call fails, a value is not finite or the handle's orientation is not a rotation; the pose is the last
+///   good one;
+///   - when the pose stays bit-identical for 50 reads (50 ms) while a force is rendered: the encoders of a
 ///   handle
-///     that somebody holds always count. Without a force it may rest, as when it has been put down;
-///   - when the device has its forces off: somebody pressed its button, or it moved too fast, or its watchdog had no
+///     in a person's hand always count. Without a force it may rest, as when it has been put down;
+///   - when the device has its forces off: its button was pressed, or it moved too fast, or its watchdog had no
 ///     force for too long. The first two are for a person to switch on again, the third is taken back by read().
 /// After 10 failures in a row it is kLost for good, stopped, and problem() says why.
 ///
@@ -32,10 +33,10 @@ namespace haptolith {
 /// has none. Its limit on velocity is left as it is.
 class ForceDimension final : public HapticDevice {
  public:
-  /// Opens the device, lets it find its zero (the handle moves by itself; a Falcon is homed by hand) and switches its
+  /// Opens the device, homes it (the handle moves; a Falcon is homed by hand) and switches its
   /// forces on, at zero.
   /// @param parameters  id: the serial number, the number in the SDK's list or the name ("sigma.7"), the first of these
-  /// that fits; empty: the first device that nobody else has. library: see ForceDimensionSdk.
+  /// that fits; empty: the first device that is not in use. library: see ForceDimensionSdk.
   /// @throws Failure that names the call that failed, the SDK's reason and what to do. The device is closed again.
   explicit ForceDimension(const DeviceParameters& parameters, const ForceDimensionPlaces& places = {});
 
@@ -54,7 +55,7 @@ class ForceDimension final : public HapticDevice {
   [[nodiscard]] std::string_view problem() const noexcept override;
 
  private:
-  /// What made a read fail.
+  /// Cause of a failed read.
   enum class Trouble : std::uint8_t { kNone, kPose, kVelocity, kTurning, kGripper, kForce, kNotFinite, kNoRotation };
 
   /// Closed with a zero wrench and brakes.
@@ -68,7 +69,7 @@ class ForceDimension final : public HapticDevice {
     char id;
   };
 
-  /// All that tells one reading from the next.
+  /// Values that distinguish one reading from the next.
   struct Reading {
     std::array<double, 3> position_m{};
     std::array<std::array<double, 3>, 3> rotation{};
@@ -100,27 +101,27 @@ class ForceDimension final : public HapticDevice {
   DeviceInput last_;  ///< the last good one
   Reading reading_;
   int failures_ = 0;    ///< in a row
-  int same_reads_ = 0;  ///< that told the same pose while a force was shown, since it last changed
+  int same_reads_ = 0;  ///< reads with the same pose while a force was rendered, since it last changed
   std::uint64_t reads_ = 0;
   bool shows_force_ = false;
   bool forces_seen_ = false;  ///< whether the device has ever said that its forces are on
   bool forces_off_ = false;
-  int write_error_ = 0;  ///< of the last write(); 0: none
+  int write_error_ = 0;  ///< error of the last write(); 0: none
 
   static constexpr pthread_t kNobody = 0;
-  static_assert(std::atomic<pthread_t>::is_always_lock_free);   // a signal's handler may let go
-  std::atomic<pthread_t> in_sdk_{kNobody}, stopping_{kNobody};  ///< which thread is
+  static_assert(std::atomic<pthread_t>::is_always_lock_free);   // a signal's handler may release the device
+  std::atomic<pthread_t> in_sdk_{kNobody}, stopping_{kNobody};  ///< the thread inside
   std::atomic<bool> released_{false}, stopped_{false};
   std::atomic<Trouble> lost_by_{Trouble::kNone};
   std::atomic<int> lost_error_{0};
   mutable std::array<char, 512> problem_{};
 };
 
-/// All devices that the SDK sees, or one report that says why there are none. Not for the tick.
+/// All devices that the SDK sees, or one report of the reason when there is no device. Not for the tick.
 [[nodiscard]] std::vector<DeviceReport> findForceDimension(const DeviceParameters& parameters,
                                                            const ForceDimensionPlaces& places = {});
 
-/// What lets the person at the desk open these devices, for a file /etc/udev/rules.d/70-force-dimension.rules.
+/// Rule that lets the user at the desk open these devices, for a file /etc/udev/rules.d/70-force-dimension.rules.
 [[nodiscard]] std::string forceDimensionUdevRule();
 
 }  // namespace haptolith

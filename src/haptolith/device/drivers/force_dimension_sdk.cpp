@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLibraries = "libdrd.so*";  ///< what SDKs call them
+constexpr const char* kLibraries = "libdrd.so*";  ///< their names in SDKs
 
 std::vector<fs::path> matching(const fs::path& folder, const char* pattern) {
   std::vector<fs::path> found;
@@ -37,8 +37,8 @@ bool isNewer(const fs::path& a, const fs::path& b) {
   return strverscmp(a.filename().c_str(), b.filename().c_str()) > 0;
 }
 
-/// The libraries in a folder and where an SDK's folder keeps them (lib/release/lin-x86_64-gcc/), newest first; what was
-/// looked for when there are none.
+/// The libraries in a folder and where an SDK's folder keeps them (lib/release/lin-x86_64-gcc/), newest first; the
+/// searched places when there is none.
 std::vector<fs::path> librariesBelow(const fs::path& folder) {
   std::vector<fs::path> found = matching(folder, kLibraries);
   for (const fs::path& platform : matching(folder / "lib" / "release", "lin-*-gcc")) {

@@ -7,19 +7,19 @@
 
 namespace haptolith {
 
-/// Where things are that have to do with devices of Force Dimension. Tests put their own places here.
+/// Places of files of Force Dimension's SDK. Tests put their own places here.
 struct ForceDimensionPlaces {
   std::filesystem::path usb_devices = "/sys/bus/usb/devices";  ///< the kernel's list
   std::filesystem::path local_libraries = "/usr/local/lib";    ///< looked through when nothing else has the SDK
-  double homing_patience_s = 60;                               ///< how long a Falcon waits to be homed by hand
+  double homing_patience_s = 60;                               ///< time limit for homing a Falcon by hand
 };
 
-/// The functions of Force Dimension's SDK that we call, found when the program runs: the SDK may not be passed on, and
-/// not everybody has it. libdrd alone carries the functions of DHD too. Names and types are facts of the SDK's
-/// interface (versions 3.14 to 3.17). Lengths are in m, angles in rad, forces in N, torques in N m. A device's number
-/// is what an opening function has returned. A result below 0 is an error; a reading function may return 1 (its time
-/// guard: nothing newer yet), a setting one 2 (a motor is saturated).
-/// The SDK may be called from several threads at once, which means that it locks.
+/// The functions of Force Dimension's SDK that the driver calls, loaded when the program runs: the SDK may not be
+/// redistributed, and not every machine has it. libdrd alone carries the functions of DHD too. Names and types are
+/// facts of the SDK's interface (versions 3.14 to 3.17). Lengths are in m, angles in rad, forces in N, torques in N m.
+/// A device's number is what an opening function has returned. A result below 0 is an error; a reading function may
+/// return 1 (its time guard: nothing newer yet), a setting one 2 (a motor is saturated). The SDK may be called from
+/// several threads at once, which means that it locks.
 struct ForceDimensionSdk {
   /// The SDK's numbers for some errors.
   static constexpr int kErrorNotAvailable = 6, kErrorTimeout = 7, kErrorNotImplemented = 10, kErrorDeviceInUse = 20;

@@ -18,18 +18,18 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// How often the pad is asked. Pads tell something new 125 to 1000 times a second; SteeredHandle smooths the steps.
+/// Polling period of the pad. Pads update at 125 to 1000 Hz; SteeredHandle smooths the steps.
 constexpr auto kGamepadPeriod = 4ms;
 
-/// Rumble that nobody renews ends by itself, also when this program does. It is renewed this often: a pad on Bluetooth
+/// Rumble ends unless it is renewed, also when this program ends. It is renewed this often: a pad on Bluetooth
 /// has no room for much more.
 constexpr Uint32 kRumble_ms = 150;
 constexpr std::int64_t kRumbleRenewal_ns = 50'000'000;
 
-/// When the loop has told no force for so long, it hangs, and the pad is let go.
+/// Time without a force from the loop after which it counts as hung, and the pad is released.
 constexpr std::int64_t kLoopHangs_ns = 100'000'000;
 
-/// How often a pad that has been lost is looked for.
+/// Period of the search for a lost pad.
 constexpr std::int64_t kLookAgain_ns = 500'000'000;
 
 constexpr std::string_view kGamepadRemedy =
@@ -104,7 +104,7 @@ class Gamepad::Pad {
 
   [[nodiscard]] Told ask(std::int64_t now_ns) {
     sdl_.game_controller_update();
-    sdl_.flush_events(SDL_JOYAXISMOTION, SDL_FINGERDOWN - 1);  // states are asked for: nobody takes these events
+    sdl_.flush_events(SDL_JOYAXISMOTION, SDL_FINGERDOWN - 1);  // states are polled: these events are unused
     if (pad_ != nullptr && sdl_.game_controller_get_attached(pad_) == SDL_FALSE) {
       close();
     }
@@ -132,7 +132,7 @@ class Gamepad::Pad {
 
   /// Both motors: the small one is felt first, the large one is stronger.
   void rumble(double share, std::int64_t now_ns) {
-    constexpr int kSteps = 64;  // more cannot be told apart, and need not be sent
+    constexpr int kSteps = 64;  // more cannot be discriminated, and need not be sent
     const int step = static_cast<int>(std::lround(share * kSteps));
     const bool renew = step > 0 && now_ns >= rumbled_ns_ + kRumbleRenewal_ns;
     const bool differs = step != rumble_step_ && (step == 0 || now_ns >= rumbled_ns_ + kRumbleRenewal_ns / 5);
@@ -153,7 +153,7 @@ class Gamepad::Pad {
     return sdl_.game_controller_get_button(pad_, button) != 0;
   }
 
-  /// The same model, wherever it has been plugged in.
+  /// Opens the same model again, on any port.
   void openAgain() {
     for (const Found& found : gamepads(sdl_)) {
       const SDL_JoystickGUID guid = sdl_.joystick_get_device_guid(found.index);

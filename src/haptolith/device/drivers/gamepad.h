@@ -13,7 +13,7 @@
 
 namespace haptolith {
 
-/// What a gamepad's sticks and triggers tell, as SDL has it: sticks -1 to 1, to the right and *towards* the user;
+/// State of a gamepad's sticks and triggers, in SDL's convention: sticks -1 to 1, to the right and *towards* the user;
 /// triggers 0 to 1.
 struct PadSticks {
   double left_right = 0, left_towards = 0;    ///< left stick
@@ -26,8 +26,8 @@ struct PadSticks {
 /// The speed they ask for, in the device's frame (x to the right, y away from the user, z up): the left stick moves the
 /// tool over the bed; the left trigger lowers it or, with the left shoulder button, raises it; the right stick tips it
 /// away from the user and back and swings it about the vertical or, with the right shoulder button, rolls it to the
-/// sides. As rateOf(), for each stick and trigger apart, so that a stick that does not quite come to rest moves nothing
-/// when a trigger is pulled.
+/// sides. As rateOf(), for each stick and trigger separately, so that a stick that does not centre exactly moves
+/// nothing when a trigger is pulled.
 [[nodiscard]] Twist speedOf(const PadSticks& sticks) noexcept;
 
 /// A gamepad, through SDL 2: moves the tool by speeds (RateParameters), closes the gripper with the right trigger, and
@@ -40,7 +40,7 @@ class Gamepad final : public HapticDevice {
   static constexpr double kFullRumble_n = 10;
 
   /// Opens the first gamepad, or the one that `id` names: its number or name as findGamepads() has it.
-  /// @throws Failure when there is none, with what is there and what to do; InvalidParameter as SteeredHandle.
+  /// @throws Failure when it does not exist, with the available ones and a remedy; InvalidParameter as SteeredHandle.
   Gamepad(const DeviceParameters& parameters, double tick_s);
   ~Gamepad() override;
   Gamepad(const Gamepad&) = delete;
@@ -79,7 +79,7 @@ class Gamepad final : public HapticDevice {
   std::jthread thread_;
 };
 
-/// The gamepads that SDL knows, or why there is none. Takes about 0.05 s; not for the tick.
+/// Gamepads that SDL reports, or the reason when there is no gamepad. Takes about 0.05 s; not for the tick.
 [[nodiscard]] std::vector<DeviceReport> findGamepads(const DeviceParameters& parameters);
 
 }  // namespace haptolith

@@ -92,7 +92,7 @@ Address addressOf(std::string_view text) {
   return address;
 }
 
-/// A session with the service. Its start waits, no longer than it is told; what follows is up to the thread that runs
+/// A session with the service. Its start waits up to the given time; the rest happens on the thread that runs
 /// `io`.
 struct Session {
   asio::io_context io{1};
@@ -169,7 +169,7 @@ class Inverse3::Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  // Of the loop's thread.
+  // For the loop's thread.
 
   [[nodiscard]] DeviceInput read() noexcept {
     if (told_.update()) {
@@ -194,7 +194,7 @@ class Inverse3::Connection {
     wanted_.publish();
   }
 
-  // Of any.
+  // For any thread.
 
   void setReleased(bool released) noexcept {
     zero_sent_.store(false);
@@ -217,10 +217,10 @@ class Inverse3::Connection {
     std::int64_t at_ns = 0;
   };
 
-  // Of the driver's thread: reads messages as they come, and sends a force each millisecond, unless the one before has
-  // not been answered or messages still wait to be read: neither the service nor this thread is given more than it can
-  // do, else the arm would be shown as it was ever longer ago. Messages without end hold no force back for long, but
-  // for longer each time, so that a machine that is slow at reading catches up all the same.
+  // For the driver's thread: reads messages as they arrive, and sends a force each millisecond, unless the one before
+  // has not been answered or messages still wait to be read: neither the service nor this thread is given more than it
+  // can do, else the arm would be shown as it was ever longer ago. Messages without end hold no force back for long,
+  // but for longer each time, so that a machine that is slow at reading catches up all the same.
 
   void serve() {
     receive();
@@ -228,7 +228,7 @@ class Inverse3::Connection {
     wait();
     while (!over_.load() && !lost_.load()) {
       const std::int64_t now_ns = monotonicNs();
-      if (session_.io.poll_one() == 0) {  // what comes from now on is no older than this
+      if (session_.io.poll_one() == 0) {  // later messages are not older than this
         nothing_waited_ns_ = now_ns;
         caught_up_ = answered_;
         session_.io.run_one();
@@ -248,7 +248,7 @@ class Inverse3::Connection {
             caught_up_ ? std::max(kFresh_ns, patience_ns_ / 2) : std::min(kMostPatience_ns, 2 * patience_ns_);
         send();
       }
-      timer_.expires_at(std::max(timer_.expiry() + kHaplyPeriod, Clock::now()));  // what was missed is not made up for
+      timer_.expires_at(std::max(timer_.expiry() + kHaplyPeriod, Clock::now()));  // missed periods are skipped
       wait();
     });
   }
@@ -295,7 +295,7 @@ class Inverse3::Connection {
       bad_answers_.fetch_add(1, std::memory_order_relaxed);
       return;
     }
-    // The loop may miss a message, and with it what only that one told of the grip.
+    // The loop may miss a message, and with it the only news of the grip.
     if (state->orientation) {
       newest_.orientation = state->orientation;
     }

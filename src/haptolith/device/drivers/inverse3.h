@@ -8,15 +8,14 @@
 
 namespace haptolith {
 
-/// Haply Inverse3, through the Haply Inverse Service, which tells and shows something for each message it is sent: a
-/// thread of the driver's own sends it one a millisecond, reads all that comes, asked for or not, and exchanges the
-/// newest state and force with the loop, which waits for nothing. Three degrees of freedom; a wireless VerseGrip that
-/// was switched on before adds orientation and buttons. Its frame is the service's: right-handed, z up, origin at the
-/// arm's base.
+/// Haply Inverse3, through the Haply Inverse Service, which reports and renders once for each message that it receives:
+/// a separate thread sends one per millisecond, reads all messages, and exchanges the newest state and force with the
+/// loop, which waits for nothing. Three degrees of freedom; a wireless VerseGrip that was switched on before adds
+/// orientation and buttons. Its frame is the service's: right-handed, z up, origin at the arm's base.
 ///
-/// The state is stale when the service has told nothing for 20 ms, or more than can be read (what has waited, or might
-/// have, is not fresh), and lost when it ends the connection; the driver does not connect again. Force is zero when the
-/// loop has written nothing for 20 ms, and when it is no finite number.
+/// The state is stale when the service has been silent for 20 ms, or has sent more than can be read (what has waited,
+/// or might have, is not fresh), and lost when it ends the connection; the driver does not connect again. Force is zero
+/// when the loop has written nothing for 20 ms, and when it is no finite number.
 class Inverse3 final : public HapticDevice {
  public:
   /// Opens the device `parameters.id`, or the first, of the service at `parameters.address`: "ws://HOST:PORT" with an
@@ -32,7 +31,8 @@ class Inverse3 final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] DeviceInput read() noexcept override;
   void write(const DeviceOutput& output) noexcept override;
-  /// The next message, at most a millisecond later, says zero. When the service takes none any more, it lets go itself.
+  /// The next message, at most a millisecond later, is zero. When the service accepts none any more, it releases the
+  /// device itself.
   void releaseForce() noexcept override;
   [[nodiscard]] ForceRelease forceRelease() const noexcept override;
   void resumeForce() noexcept override;
@@ -47,8 +47,8 @@ class Inverse3 final : public HapticDevice {
   std::unique_ptr<Connection> connection_;
 };
 
-/// The Inverse3s that the service tells of, or one report that says why there are none. Waits for the service for 0.3 s
-/// at most. @throws InvalidParameter for an invalid address.
+/// Inverse3s that the service reports, or one report of the reason when there is no device. Waits for the service for
+/// 0.3 s at most. @throws InvalidParameter for an invalid address.
 [[nodiscard]] std::vector<DeviceReport> findInverse3(const DeviceParameters& parameters);
 
 }  // namespace haptolith

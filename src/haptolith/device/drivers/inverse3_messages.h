@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// How the Haply service takes a force: under "vector" since 3.5, under "values" before.
+/// Key of the Haply service for a force: "vector" since 3.5, under "values" before.
 enum class HaplyDialect { kVector, kValues };
 
 /// The first message of a session: what is plugged in.
@@ -20,18 +20,18 @@ struct HaplyInventory {
   HaplyDialect dialect = HaplyDialect::kValues;
 };
 
-/// What one message tells of one Inverse3, in its own right-handed frame, z up.
+/// State of one Inverse3 in a message, in its own right-handed frame, z up.
 struct Inverse3State {
   Vec3 position_m = Vec3::Zero();
   Vec3 velocity_m_s = Vec3::Zero();
-  std::optional<Quat> orientation;       ///< of the grip; none when the message has no grip, or no unit quaternion
-  std::optional<std::uint32_t> buttons;  ///< of the grip: bits 0, 1, 2 for a, b, c
+  std::optional<Quat> orientation;       ///< orientation of the grip; empty without a grip or a unit quaternion
+  std::optional<std::uint32_t> buttons;  ///< buttons of the grip: bits 0, 1, 2 for a, b, c
 };
 
-/// Reads an inventory; none when it is no JSON object. An entry without an id of at most 64 characters is left out. The
-/// dialect is told by what came with 3.5: a configured basis, mount, preset or filters, and the session's number; when
-/// none of them is there, or in doubt, the older dialect is taken.
-/// Source: docs.haply.co, Inverse Service 3.5, "WebSocket Protocol" and the change log of 3.5.0. Not for the tick.
+/// Reads an inventory; empty when it is not a JSON object. An entry without an id of at most 64 characters is left out.
+/// The dialect follows from keys that version 3.5 added: a configured basis, mount, preset or filters, and the
+/// session's number; without any of them, or in doubt, the older dialect is used. Source: docs.haply.co, Inverse
+/// Service 3.5, "WebSocket Protocol" and the change log of 3.5.0. Not for the tick.
 [[nodiscard]] std::optional<HaplyInventory> parseHaplyInventory(std::string_view json);
 
 /// Reads the state of a device, and of a grip when `grip` is not empty; none when the message is no JSON, does not name

@@ -18,10 +18,10 @@ namespace {
 constexpr const char* kFreeTitle = "haptolith mouse";
 constexpr const char* kTakenTitle = "haptolith mouse: Esc gives the pointer back";
 
-/// Nobody turns a wheel further at once; a sum with more in it would lose what is little.
+/// Limit of one wheel movement; larger sums would lose precision.
 constexpr float kMaxNotches = 100;
 
-/// How long the window's thread waits for an event before it looks whether it shall end.
+/// Time for which the window's thread waits for an event before it checks whether it should end.
 constexpr int kMouseWait_ms = 20;
 
 constexpr std::string_view kMouseRemedy = "start haptolith in a desktop session, or over `ssh -X`";

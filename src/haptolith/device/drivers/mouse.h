@@ -20,7 +20,7 @@ namespace haptolith {
 /// silence is rest and the state is never kStale.
 class Mouse final : public HapticDevice {
  public:
-  static constexpr double kPerCount_m = 1e-4;  ///< of the tool for one count of the mouse: 0.1 mm
+  static constexpr double kPerCount_m = 1e-4;  ///< movement of the tool for one count of the mouse: 0.1 mm
   static constexpr double kPerNotch_m = 2e-3;  ///< and for one notch of its wheel
 
   /// Opens the window.

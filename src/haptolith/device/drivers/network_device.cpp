@@ -22,15 +22,15 @@ namespace haptolith {
 namespace {
 
 constexpr std::string_view kNetworkAddress = "127.0.0.1:9050";
-// The buffer holds some 160 packets, and all that waits is looked at in each tick: what a flood leaves waiting would be
-// old in the next one. So many cost a tick 0.17 ms; 0.36 ms with a key, while nobody holds the tool and all have to be
+// The buffer holds about 160 packets, and each tick reads all that wait: packets left by a flood would be
+// old in the next one. This number costs a tick 0.17 ms; 0.36 ms with a key, while the tool is free and all have to be
 // checked.
 constexpr int kMostPackets = 256;
 constexpr int kReceiveBuffer = 64 * 1024;
 // That a sender is owed at most, when its packets came together: those of the 20 ms in which it is believed.
 constexpr int kMostOwed = 20;
 constexpr std::size_t kLongestPacket = DevicePacket::kBytes + PacketKey::kTagBytes;
-static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // a signal's handler may let go
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // a signal's handler may release the tool
 
 sockaddr_in socketAddressOf(std::string_view text) {
   const auto refuse = [&] {
@@ -89,7 +89,7 @@ bool isThisMachine(const sockaddr_in& address) noexcept {
   return (ntohl(address.sin_addr.s_addr) >> 24U) == 127;
 }
 
-/// What a socket reports that is still one.
+/// Errors after which the socket still works.
 bool passes(int error) noexcept {
   return error == EINTR || error == ECONNREFUSED || error == ENOBUFS || error == ENOMEM || error == ENETDOWN;
 }
@@ -162,7 +162,7 @@ DeviceLimits NetworkDevice::limits() const noexcept {
   limits.max_force_rate_n_s = limits.max_force_n / kFullForceIn_s;
   limits.max_torque_rate_nm_s = limits.max_torque_nm / kFullForceIn_s;
   limits.max_gripper_rate_n_s = limits.max_gripper_force_n / kFullForceIn_s;
-  // Nobody knows what stands behind the socket: assumed bad until its owner has measured it.
+  // The device behind the socket is unknown: conservative values until its owner has measured it.
   limits.delay_s = 0.01;
   limits.delay_known = false;
   limits.resolution_m = 1e-4;
@@ -293,7 +293,7 @@ void NetworkDevice::take(std::span<const std::byte> bytes, std::uint64_t sender,
   }
 }
 
-/// Whether the sender has the tool, or may have it: nobody has, or who has it does not want it.
+/// Whether the sender holds the tool, or may take it: the tool is free, or its holder has given it up.
 bool NetworkDevice::mayTake(const DevicePacket& packet, std::uint64_t sender) const noexcept {
   const std::uint64_t holder = holder_.load();
   return holder == 0 || holder == sender || (packet.held && !held_ && now_ns_ - held_ns_ > holder_ns_);
@@ -328,7 +328,7 @@ PacketKey::Nonce NetworkDevice::holderNonce() const noexcept {
   return std::bit_cast<PacketKey::Nonce>(std::array{nonce_[0].load(), nonce_[1].load()});
 }
 
-/// Nobody holds the tool any more.
+/// Frees the tool.
 void NetworkDevice::release() noexcept {
   holder_.store(0);
   held_ = false;
@@ -338,7 +338,7 @@ void NetworkDevice::release() noexcept {
 
 void NetworkDevice::write(const DeviceOutput& output) noexcept {
   const bool released = released_.load();
-  if (owed_ > 0 || zero_owed_) {  // else somebody who forges one packet could have another one flooded
+  if (owed_ > 0 || zero_owed_) {  // otherwise one forged packet could flood a third party
     owed_ = std::max(0, owed_ - 1);
     zero_owed_ = false;
     if (!answer(released ? DeviceOutput{} : output)) {

@@ -10,10 +10,10 @@ namespace haptolith {
 
 /// Opens a device that a person holds; a sigma.7 finds its zero by moving its handle, which takes seconds. Not for
 /// kVirtualHand, which has no hardware.
-/// @throws Failure that says what was tried and what to do; InvalidParameter for an invalid address.
+/// @throws Failure with the attempts and a remedy; InvalidParameter for an invalid address.
 [[nodiscard]] std::unique_ptr<HapticDevice> openDevice(const DeviceParameters& parameters, double tick_s);
 
-/// What is there, and why the rest is not: at least one report for each kind of device. Opens nothing.
+/// Available devices, and reasons for missing ones: at least one report for each kind of device. Opens nothing.
 [[nodiscard]] std::vector<DeviceReport> findDevices(const DeviceParameters& parameters = {});
 
 }  // namespace haptolith

@@ -6,21 +6,21 @@
 
 namespace haptolith {
 
-/// How far sticks and pucks are pushed and turned, as shares of what is possible: -1 to 1 along and about the axes of
+/// Deflection of sticks and pucks as a fraction of their range: -1 to 1 along and about the axes of
 /// the device's frame.
 struct Deflection {
   Vec3 linear = Vec3::Zero();
   Vec3 angular = Vec3::Zero();
 };
 
-/// How a deflection becomes a speed.
+/// Mapping of a deflection to a speed.
 struct RateParameters {
   double dead_zone = 0.1;       ///< 0 <= share < 1 of the deflection that is still rest
   double max_speed_m_s = 0.15;  ///< at full deflection
   double max_turn_rad_s = 1.5;
 };
 
-/// The speed that somebody asks for, in the device's frame. For linear and angular deflection d apart
+/// The requested speed, in the device frame. For linear and angular deflection d separately
 ///
 ///     v = v_max s^2 d / |d|,    s = (|d| - d_0) / (1 - d_0), between 0 and 1,        d_0: dead zone
 ///
@@ -29,7 +29,7 @@ struct RateParameters {
 /// called in the tick.
 [[nodiscard]] Twist rateOf(const Deflection& deflection, const RateParameters& parameters) noexcept;
 
-/// The handle of a device that has none: somebody moves it by speeds (drive()) or by distances (displace()), once a
+/// The virtual handle of a device without one: moved by speeds (drive()) or by distances (displace()), once a
 /// tick. It begins at the origin, unturned, and stays in a sphere about the origin, along which it slides. Device's
 /// frame. May be called in the tick.
 class SteeredHandle {

@@ -10,7 +10,7 @@ namespace haptolith {
 /// start of the program 10 ms; so it is loaded when a gamepad or a mouse is wanted, and then kept, because some of
 /// its libraries do not like to be unloaded. Not for the tick.
 struct Sdl {
-  /// @throws Failure that says how to install SDL.
+  /// @throws Failure with the command that installs SDL.
   static const Sdl& get();
 
   SharedLibrary library{"libSDL2-2.0.so.0"};
@@ -45,8 +45,8 @@ struct Sdl {
   decltype(&SDL_WaitEventTimeout) wait_event_timeout = library.symbol("SDL_WaitEventTimeout");
 };
 
-/// A part of SDL, for as long as this lives. SDL counts who wants it and leaves nothing behind when nobody does. To be
-/// ended by the thread that has used it.
+/// A part of SDL, for as long as this lives. SDL counts its users and cleans up after the last. To be
+/// destroyed by the thread that has used it.
 class SdlPart {
  public:
   /// @param part  SDL_INIT_VIDEO or SDL_INIT_GAMECONTROLLER. @throws Failure with SDL's reason, or as Sdl::get().

@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-/// How long the daemon's thread waits for an event before it looks whether it shall end.
+/// Time for which the daemon's thread waits for an event before it checks whether it should end.
 constexpr int kSpaceMouseWait_ms = 20;
 
 constexpr std::string_view kNoDaemon =
@@ -30,7 +30,7 @@ bool hasPuck(const Spnav& spnav) {
   return spnav.protocol() < 1 || spnav.dev_type() >= 0;
 }
 
-/// Whether the daemon has closed its end: libspnav tells it no differently from an event it does not know.
+/// Whether the daemon has closed its end: libspnav reports it like an unknown event.
 bool hungUp(const Spnav& spnav) {
   char byte = 0;
   const ssize_t there = recv(spnav.fd(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);

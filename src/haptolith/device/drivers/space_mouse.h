@@ -15,20 +15,20 @@ namespace haptolith {
 
 struct Spnav;
 
-/// What the daemon tells of a SpaceMouse's puck, in its counts: pushed along and turned about x to the right, y up and
+/// State of a SpaceMouse's puck from the daemon, in its counts: pushed along and turned about x to the right, y up and
 /// z away from the user; turned right-handed in the frame (x, y, -z), as spnav_posrot_moveobj() of libspnav 1.0 has it.
 struct PuckCounts {
   int x = 0, y = 0, z = 0;
   int rx = 0, ry = 0, rz = 0;
 };
 
-/// How far the puck is pushed and turned, in the device's frame: x to the right, y away from the user, z up.
+/// Deflection of the puck, in the device frame: x to the right, y away from the user, z up.
 [[nodiscard]] Deflection deflectionOf(const PuckCounts& counts) noexcept;
 
 /// A SpaceMouse or another puck with six degrees of freedom, through libspnav and its daemon, spacenavd: moves and
-/// turns the tool by speeds (RateParameters). The daemon tells only what changes, so that silence is rest, or the same
-/// push, and the state is never kStale. libspnav has one connection for the whole program, so there is one SpaceMouse
-/// at a time. Not to be opened from several threads at once.
+/// turns the tool by speeds (RateParameters). The daemon reports changes only, so that silence means rest, or a
+/// constant push, and the state is never kStale. libspnav has one connection for the whole program, so there is one
+/// SpaceMouse at a time. Not to be opened from several threads at once.
 class SpaceMouse final : public HapticDevice {
  public:
   /// The daemon's counts at full deflection, as its default sensitivity has it.
@@ -75,7 +75,8 @@ class SpaceMouse final : public HapticDevice {
   std::jthread thread_;
 };
 
-/// The SpaceMouse, or why there is none. Takes up to 0.3 s when the daemon does not answer; not for the tick.
+/// The SpaceMouse, or the reason when there is no SpaceMouse. Takes up to 0.3 s when the daemon does not answer; not
+/// for the tick.
 [[nodiscard]] std::vector<DeviceReport> findSpaceMouse(const DeviceParameters& parameters);
 
 }  // namespace haptolith

@@ -6,10 +6,10 @@
 
 namespace haptolith {
 
-/// The functions of libspnav that the SpaceMouse's driver calls. It is loaded when somebody looks for a SpaceMouse, and
+/// The functions of libspnav that the SpaceMouse's driver calls. It is loaded by the search for a SpaceMouse, and
 /// then kept: linked, it would bring X11 to every program that holds haptolith. Not for the tick.
 struct Spnav {
-  /// @throws Failure that says how to install libspnav.
+  /// @throws Failure with the command that installs libspnav.
   static const Spnav& get();
 
   SharedLibrary library{"libspnav.so.0"};

@@ -18,7 +18,7 @@ struct ArmParameters {
 ///
 ///     m x'' = K (x_d - x) + B (x_d' - x') + F        x_d: where the hand wants the tool, F: the soil's force on it
 ///
-/// and likewise for rotation with m l^2, K l^2, B l^2 (l = lever). Stable for K dt^2 / m + 2 B dt / m < 4; for rotation
+/// and for rotation with m l^2, K l^2, B l^2 (l = lever). Stable for K dt^2 / m + 2 B dt / m < 4; for rotation
 /// the lever cancels out. May be called in the tick.
 /// @param soil  wrench on the tool, about its origin, scene frame.
 /// @param strongest_n  the arm pulls no harder than this, and turns no harder than this times the lever.

@@ -9,10 +9,10 @@
 
 namespace haptolith {
 
-/// What the virtual hand does with the tool, over and over.
+/// Periodic motion of the virtual hand.
 enum class Manoeuvre { kStill, kPress, kStir, kScoop, kCarry, kShake, kCut, kFurrows, kPoses };
 
-/// How the hand answers force.
+/// Response of the hand to force.
 enum class HandCompliance {
   kArm,    ///< mass, damper and spring between the manoeuvre and the tool
   kRigid,  ///< the tool follows the manoeuvre exactly, whatever the soil does
@@ -30,17 +30,17 @@ struct HandParameters {
   double lever_m = 0.1;             ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
   double period_s = 4;              ///< one manoeuvre
   double active_s = 1e9;            ///< then the hand leaves the soil and waits above it
-  Vec3 home_m{0, 0, 0.085};         ///< where it starts, ends and waits: x and y in the scene, z above the surface
+  Vec3 home_m{0, 0, 0.085};         ///< start, end and waiting place: x and y in the scene, z above the surface
   double depth_m = 0.02;            ///< lowest point of the tool's origin below the surface during a manoeuvre
   std::optional<double> surface_m;  ///< height of the soil's surface; left out: measured when the bed is made
   double reach_m = 0.035;           ///< largest distance to the side
-  double max_force_n = 12;          ///< what the device can show, as a sigma.7 as CHAI3D describes it
+  double max_force_n = 12;          ///< limit of the device, a sigma.7 as in CHAI3D
   double max_torque_nm = 0.2;
 
   [[nodiscard]] bool operator==(const HandParameters&) const = default;
 };
 
-/// What is valid; of each axis of home.
+/// Valid ranges; for home that of each axis.
 struct HandRanges {
   static constexpr Range mass_kg{0.01, 100};
   static constexpr Range damping_n_s_m{0, 1000};

@@ -16,10 +16,10 @@ constexpr double kTurn = 2 * std::numbers::pi;
 
 /// A pose on the way, in the manoeuvre's own measures.
 struct KeyPose {
-  double share;      ///< of the period
+  double share;      ///< fraction of the period
   double out;        ///< distance from the box's axis, in `reach_m`; along x at turn 0
   double turn;       ///< about the box's axis, in turns; the tool turns along
-  double height;     ///< of the tool's origin: 0 surface, 1 home, -1 `depth_m` below the surface
+  double height;     ///< height of the tool's origin: 0 surface, 1 home, -1 `depth_m` below the surface
   double nose_deg;   ///< tilt of the tool's x axis: 90 points straight down
   double shake;      ///< share of kShakeAmplitude_m
   double aside = 0;  ///< along y, in `reach_m`
@@ -66,7 +66,7 @@ constexpr KeyPose kShakeTable[] = {
     {0.84, 0.5, 0, 0.7, 0, 0},   {0.90, 0.0, 0, 0.8, 100, 0},  {1.00, 0.0, 0, 1.0, 0, 0},
 };
 
-// Three straight cuts that cross in the middle, the blade leaning back by 20 degrees, its edge ahead.
+// Three straight cuts that cross at the centre, the blade leaning back by 20 degrees, its edge ahead.
 constexpr KeyPose kCutTable[] = {
     {0.00, 0., 0.0 / 3, 1.0, 70, 0}, {0.05, -1, 0.0 / 3, 0.5, 70, 0}, {0.11, -1, 0.0 / 3, -1., 70, 0},
     {0.25, 1., 0.0 / 3, -1., 70, 0}, {0.31, 1., 0.0 / 3, 0.5, 70, 0},  // in, through, out
@@ -75,8 +75,8 @@ constexpr KeyPose kCutTable[] = {
     {0.88, 1., 2.0 / 3, -1., 70, 0}, {0.93, 1., 2.0 / 3, 0.5, 70, 0}, {1.00, 0., 3.0 / 3, 1.0, 70, 0},
 };
 
-// Five straight cuts beside each other, each in soil that nothing has touched, the blade as in a cut; they end in the
-// middle of the further half, where the wall ahead is not felt yet.
+// Five parallel straight cuts, each in undisturbed soil, the blade as in a cut; they end in the
+// middle of the further half, where the wall ahead has no effect yet.
 constexpr KeyPose kFurrowsTable[] = {
     {0.00, 0, 0, 1.0, 70, 0, 0.0},     {0.048, -1, 0, 0.5, 70, 0, -1.4},  {0.072, -1, 0, -1., 70, 0, -1.4},
     {0.172, 0.5, 0, -1., 70, 0, -1.4}, {0.195, 0.5, 0, 0.5, 70, 0, -1.4}, {0.238, -1, 0, 0.5, 70, 0, -0.7},
@@ -128,7 +128,7 @@ double heightOf(const KeyPose& key, const HandParameters& hand) {
   return key.height < 0 ? key.height * hand.depth_m : key.height * hand.home_m.z();
 }
 
-/// Where the manoeuvre is at a share of its period; here `height` is in m above the surface.
+/// Pose of the manoeuvre at a fraction of its period; here `height` is in m above the surface.
 KeyPose interpolate(std::span<const KeyPose> table, double share, const HandParameters& hand) {
   std::size_t next = 1;
   while (next + 1 < table.size() && share > table[next].share) {
@@ -147,7 +147,7 @@ KeyPose interpolate(std::span<const KeyPose> table, double share, const HandPara
           mix(a.aside, b.aside)};
 }
 
-/// How much of the period is over.
+/// Elapsed fraction of the period.
 double shareOfPeriod(const HandParameters& hand, double time_s) {
   HAPTO_ASSERT(hand.period_s > 0);
   const double last_end_s = std::ceil(hand.active_s / hand.period_s) * hand.period_s;

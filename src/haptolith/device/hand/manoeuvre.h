@@ -11,8 +11,8 @@ namespace haptolith {
 /// Not for kPoses. May be called in the tick.
 [[nodiscard]] Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept;
 
-/// How far the hand opens a gripper then, 0 closed to 1 wide open: what lifts soil closes at its lowest point and opens
-/// where it tips the soil out. Not for kPoses. May be called in the tick.
+/// Opening of the gripper at that time, 0 closed to 1 wide open: lifting motions close at their lowest point and open
+/// where they release the soil. Not for kPoses. May be called in the tick.
 [[nodiscard]] double manoeuvreOpening(const HandParameters& hand, double time_s) noexcept;
 
 }  // namespace haptolith

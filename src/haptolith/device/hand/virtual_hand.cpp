@@ -17,7 +17,7 @@ namespace {
 /// Poses come 60 times a second: their steps are rounded off with this time constant.
 constexpr double kSmoothing_s = 0.02;
 
-/// From where somebody left the tool a manoeuvre is begun in this time.
+/// Duration of the way from a released tool to the begin of a manoeuvre.
 constexpr double kReturn_s = 1;
 
 /// From closed to wide open, at the fastest. A manoeuvre that is broken off opens the gripper as quickly.

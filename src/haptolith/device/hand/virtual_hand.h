@@ -12,8 +12,8 @@
 
 namespace haptolith {
 
-/// A device without hardware: a human arm (moveArm()) that pulls the tool along a manoeuvre and yields to what it
-/// feels, until somebody takes the tool from it. The arm's own weight and the tool's are carried by the arm, so that
+/// A device without hardware: a human arm (moveArm()) that pulls the tool along a manoeuvre and yields to
+/// force, until a client takes the tool. The arm's own weight and the tool's are carried by the arm, so that
 /// the tool weighs nothing, as in the paper.
 class VirtualHand final : public HapticDevice {
  public:
@@ -34,8 +34,8 @@ class VirtualHand final : public HapticDevice {
   void releaseForce() noexcept override { released_.store(true, std::memory_order_relaxed); }
   void resumeForce() noexcept override { released_.store(false, std::memory_order_relaxed); }
 
-  /// For one other thread: where somebody wants the tool. The tool follows through a virtual coupling that pulls no
-  /// harder than the device's largest force, so that nobody can force it through the soil. May be called at any time.
+  /// For one other thread: sets the target of the tool. The tool follows through a virtual coupling that pulls with at
+  /// most the device's largest force, so that it cannot be forced through the soil. May be called at any time.
   void command(const HandCommand& command) noexcept;
 
  private:
@@ -48,7 +48,7 @@ class VirtualHand final : public HapticDevice {
   HandParameters hand_;
   double tick_s_;
   std::optional<PoseFile> poses_;
-  std::uint64_t ticks_ = 0;  ///< of the manoeuvre
+  std::uint64_t ticks_ = 0;  ///< ticks of the manoeuvre
   Movement tool_;
   double gripper_open_ = 1;
   Wrench output_;
@@ -58,7 +58,7 @@ class VirtualHand final : public HapticDevice {
   std::uint32_t beginnings_ = 0;
   Pose smooth_;                      ///< the held pose, its steps rounded off
   std::optional<Pose> return_from_;  ///< on the way back to a manoeuvre
-  std::uint64_t return_ticks_ = 0;   ///< of that way
+  std::uint64_t return_ticks_ = 0;   ///< ticks on that way
 };
 
 }  // namespace haptolith

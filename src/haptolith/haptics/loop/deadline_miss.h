@@ -7,7 +7,7 @@ namespace haptolith {
 /// Share of a tick's period that waking up may take; the rest is for its work.
 inline constexpr double kWakeUpShare = 0.2;
 
-/// A tick that takes so many times as long as usual was interrupted, while the soil is as it was.
+/// Ratio to the usual duration above which a tick counts as interrupted, while the soil is unchanged.
 inline constexpr double kUnusual = 3;
 
 /// Cause of a missed deadline.

@@ -6,7 +6,7 @@
 
 namespace haptolith {
 
-/// How the hand and the tool are joined, and what protects the hand. By default as in the paper, for a device whose
+/// Coupling of hand and tool, and protection of the hand. By default as in the paper, for a device whose
 /// frame is the scene's.
 struct HandlingParameters {
   MappingParameters mapping = {};

@@ -27,12 +27,12 @@ LoopEnd failure(StepStatus status) noexcept {
   return LoopEnd::kNotFinite;
 }
 
-/// What stores the most energy for a force: see Passivity.
+/// The softest spring, which stores the most energy for a force: see Passivity.
 double softestSpring(const Scene& scene, const Coupling& coupling) noexcept {
   return std::min({scene.tool().stiffness_n_m, scene.bed().parameters().soil.stiffness_n_m, coupling.stiffness()});
 }
 
-/// With a virtual coupling the tool has a mass of its own: at least what the hand is to feel.
+/// With a virtual coupling the tool has a separate mass: at least the one that the hand should feel.
 CouplingParameters withMassOf(const ToolParameters& tool, CouplingParameters coupling) noexcept {
   coupling.spring.mass_kg = std::max(coupling.spring.mass_kg, tool.mass_kg);
   return coupling;
@@ -78,7 +78,7 @@ LoopEnd HapticLoop::tick() noexcept {
   }
   resumeAfterStandstill();
 
-  // Where is the hand? An implausible reading leaves the tool where it was, and it fades out of the soil.
+  // Reads the hand. An implausible reading leaves the tool in place, and it fades out of the soil.
   const DeviceInput input = device_.read();
   safety_.check(input, health(silent));
   followHand(input);
@@ -99,7 +99,7 @@ LoopEnd HapticLoop::tick() noexcept {
   if (!weight.isZero()) {
     rendered.wrench.add(weight);
   }
-  // After a tick that took too long, the force in it comes from where the hand no longer is; the next tick trips.
+  // After a tick that took too long, the force belongs to an old position of the hand; the next tick trips.
   device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : output_);
   publish();
   return finish(input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning, input, rendered);
@@ -115,8 +115,8 @@ Wrench HapticLoop::toolWeight() const noexcept {
   return mapping_.toDevice({weightOf(tool, scene_->toolPose().orientation, gravity_m_s2), 0}).wrench;
 }
 
-/// Counts a tick, records it, and reports why the hand was let go in it. One that cannot be felt ends the run; it is
-/// counted, recorded and reported as others are.
+/// Counts a tick, records it, and reports its safety trip. A state that cannot be rendered ends the run; its tick is
+/// counted, recorded and reported like others.
 LoopEnd HapticLoop::finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept {
   const bool failed = end != LoopEnd::kRunning && end != LoopEnd::kFinished;
   if (failed) {
@@ -146,7 +146,7 @@ LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
     watchdog_->start();
   }
   const LoopEnd end = runTicks(stop);
-  scene_->bed().scheduleHelpers({});  // who steps it now may be an ordinary thread
+  scene_->bed().scheduleHelpers({});  // its next caller may be an ordinary thread
   if (watchdog_) {
     watchdog_->stop();
   }
@@ -173,7 +173,7 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
     } else if (wanted_end == LoopEnd::kRunning && last_tick > 0 && statistics().ticks() >= last_tick) {
       wanted_end = LoopEnd::kDuration;
     }
-    if (wanted_end != LoopEnd::kRunning) {  // a person's hand is let go softly
+    if (wanted_end != LoopEnd::kRunning) {  // forces on a person's hand fade out
       softStop();
       if (safety_.stopped() || clock_.paused()) {
         return wanted_end;
@@ -185,19 +185,19 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
       LoopClock::waitAMoment();
     } else {
       while (telemetry_.full() && !stop.load(std::memory_order_relaxed)) {
-        LoopClock::waitAMoment();  // nobody feels this loop: it may wait for its recorder
+        LoopClock::waitAMoment();  // no hand is connected: the loop may wait for its recorder
       }
     }
   }
 }
 
-/// Whether the loop was, for so long that the hand has been let go.
+/// Whether the loop was silent for long enough that the watchdog tripped.
 bool HapticLoop::wasSilent() noexcept {
   const bool silent = watchdog_ && watchdog_->beat();
   return (watchdog_ && LastResort::releasedForceMeanwhile()) || silent;
 }
 
-/// How the loop is doing. After silence the hand is taken up again at once: the safety layer then shows it nothing for
+/// Health of the loop. After silence the device is taken up again immediately: the safety layer then sends no force for
 /// a while.
 LoopHealth HapticLoop::health(bool silent) noexcept {
   if (silent) {
@@ -248,14 +248,14 @@ void HapticLoop::fadeTool() noexcept {
 /// Time stands still, and the device shows no force.
 void HapticLoop::standStill() noexcept {
   if (!device_.simulated()) {
-    (void)device_.read();  // some devices fall asleep when nobody asks
+    (void)device_.read();  // some devices fall asleep when they are not polled
   }
   device_.write({});
   released_ = true;
   publish();
 }
 
-/// Time goes on where it stopped. A hand that is simulated must not notice; a person's has moved meanwhile.
+/// Resumes time where it stopped. A simulated hand must not be affected; a person's has moved meanwhile.
 void HapticLoop::resumeAfterStandstill() noexcept {
   if (!std::exchange(released_, false)) {
     return;
@@ -269,7 +269,7 @@ void HapticLoop::resumeAfterStandstill() noexcept {
   }
 }
 
-/// Whether a run cannot go on after this: a person's hand comes back, a simulated one does not.
+/// End of the run after a trip, if it cannot continue: a person's hand recovers, a simulated one does not.
 LoopEnd HapticLoop::endFor(SafetyTrip trip) const noexcept {
   if (trip == SafetyTrip::kLost) {
     return LoopEnd::kLost;
@@ -319,7 +319,7 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                    fade_.touch(touch.on);
                  },
                  [this](const request::Replace& replace) {
-                   if (clock_.paused()) {  // nobody feels anything
+                   if (clock_.paused()) {  // no force is rendered
                      carryOut(replace);
                    } else {
                      fade_.replaceWhenFaded(replace);
@@ -349,7 +349,7 @@ void HapticLoop::publish() noexcept {
 }
 
 void HapticLoop::publishEnd(LoopEnd end) noexcept {
-  if (end != LoopEnd::kNotFinite && end != LoopEnd::kCollapsed) {  // of which there is no picture
+  if (end != LoopEnd::kNotFinite && end != LoopEnd::kCollapsed) {  // states without a picture
     telemetry_.publishLast(shownScene(), clock_, [this](SceneSnapshot& snapshot) { tell(snapshot); });
   }
 }

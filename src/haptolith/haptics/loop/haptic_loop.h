@@ -24,7 +24,8 @@
 
 namespace haptolith {
 
-/// Soil and hand, joined at 1 kHz. Records and snapshots leave through lock-free queues; nobody can delay a tick.
+/// Soil and hand, joined at 1 kHz. Records and snapshots leave through lock-free queues, whose readers cannot delay a
+/// tick.
 class HapticLoop {
  public:
   /// @param keep_records  whether anyone will call takeRecords(); without, records are not kept.
@@ -41,7 +42,7 @@ class HapticLoop {
   /// allocate, lock, throw, log or touch a file.
   LoopEnd tick() noexcept;
 
-  /// For who calls tick(), when it has ended: a last snapshot, of all of it as it is. run() does so itself.
+  /// Publishes a final, complete snapshot. To be called after the last tick(); run() does so itself.
   void publishEnd(LoopEnd end) noexcept;
 
   /// Before the first tick: records hold hashes of the bed, of a part of it in each tick (see stateHash()).
@@ -52,7 +53,7 @@ class HapticLoop {
   /// Before tick(): how the loop was doing when what is now replayed was recorded, instead of how it is doing now.
   void overrideHealth(const LoopHealth& health) noexcept { overridden_health_ = health; }
 
-  /// From the loop's thread: the run is about to end, and a person's hand is let go softly.
+  /// Fades the force out because the run is about to end. From the loop's thread.
   void softStop() noexcept { safety_.stop(); }
 
   /// For one other thread: moves all waiting records to the end of `records`.
@@ -67,7 +68,7 @@ class HapticLoop {
   /// For one other thread: the scene that is shown. Another one is no longer touched, and may be shown again or go.
   [[nodiscard]] ShownScene& shownScene() const noexcept { return *shown_.load(std::memory_order_acquire); }
 
-  /// Records that nobody took in time; only a paced loop loses any.
+  /// Number of records lost because they were not read in time; only a paced loop loses any.
   [[nodiscard]] std::uint64_t lostRecords() const noexcept { return telemetry_.lostRecords(); }
   /// Only after run() has returned.
   [[nodiscard]] const LoopStatistics& statistics() const noexcept { return telemetry_.statistics(); }
@@ -94,23 +95,23 @@ class HapticLoop {
 
   ShownScene first_;
   std::atomic<ShownScene*> shown_;
-  Scene* scene_;  ///< of the scene that is shown
+  Scene* scene_;  ///< the rendered scene
   HapticDevice& device_;
   LoopParameters parameters_;
   Mapping mapping_;
   Coupling coupling_;
   SafetyLayer safety_;
-  std::optional<Watchdog> watchdog_;  ///< of a person's device, in step with the clock
+  std::optional<Watchdog> watchdog_;  ///< for a person's device, paced by the clock
   LoopClock clock_;
   ToolFade fade_;
   LoopTelemetry telemetry_;
   boost::lockfree::spsc_queue<LoopRequest> requests_;
   std::optional<LoopHealth> overridden_health_;
   HandState hand_;           ///< the last plausible one, in the scene
-  DeviceOutput output_;      ///< of the last tick, device frame
-  HelperSchedule helpers_;   ///< of the threads that share the bed's steps
-  bool released_ = false;    ///< the device shows no force, because time stands still
-  std::uint32_t flags_ = 0;  ///< TickFlag, what has happened before the present tick
+  DeviceOutput output_;      ///< output of the last tick, device frame
+  HelperSchedule helpers_;   ///< scheduling of the threads that share the bed's steps
+  bool released_ = false;    ///< the device gets no force, because time is paused
+  std::uint32_t flags_ = 0;  ///< TickFlag of events before the current tick
 };
 
 }  // namespace haptolith

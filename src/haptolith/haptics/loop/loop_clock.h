@@ -21,7 +21,7 @@ class LoopClock {
   void start() noexcept;
   /// When paced: sleeps until the tick is due, and takes note of how late it began. @return that, in us.
   double waitForTick() noexcept;
-  /// The same; shortly before, wakes the threads that share the bed's steps.
+  /// As above; shortly before, wakes the threads that share the bed's steps.
   double waitForTick(Bed& bed) noexcept;
   /// A tick that is late is not made up for by a burst of early ones: the hand would feel time run faster.
   void planNextTick() noexcept;
@@ -31,15 +31,15 @@ class LoopClock {
   /// Work begins, and is done. @param awake  particles that were computed.
   void beginTick() noexcept;
   void endTick(std::size_t awake = 0) noexcept;
-  [[nodiscard]] double tickUs() const noexcept { return tick_us_; }  ///< of the last tick's work
+  [[nodiscard]] double tickUs() const noexcept { return tick_us_; }  ///< duration of the last tick's work
   [[nodiscard]] Miss miss() const noexcept { return miss_; }  ///< cause of the last tick's; kNone: it was in time
   [[nodiscard]] bool late() const noexcept { return late_; }  ///< a paced one's that was not in time
-  [[nodiscard]] double lateUs() const noexcept { return late_us_; }  ///< how late the present one began
+  [[nodiscard]] double lateUs() const noexcept { return late_us_; }  ///< lateness of the current tick's begin
   [[nodiscard]] bool paced() const noexcept { return paced_; }
 
   void pause() noexcept { paused_ = true; }
   void resume() noexcept;
-  /// So many ticks while it is paused.
+  /// Runs a number of ticks while it is paused.
   void advance(int ticks) noexcept { ticks_left_ += paused_ ? ticks : 0; }
   /// Slow motion: a simulated second takes 1 / factor seconds.
   void setSpeed(double factor) noexcept { speed_ = factor; }
@@ -54,7 +54,7 @@ class LoopClock {
   std::int64_t period_ns_;
   bool paced_;
   std::int64_t due_ns_ = 0;       ///< when the next tick begins
-  std::int64_t deadline_ns_ = 0;  ///< when the present one has to be done; 0 when nobody paces
+  std::int64_t deadline_ns_ = 0;  ///< deadline of the current one; 0 when not paced
   std::int64_t free_ns_ = 0;      ///< when the thread had nothing more to do before the present one
   std::int64_t begun_ns_ = 0;
   std::int64_t begun_cpu_ns_ = 0;  ///< processor time of the thread then; 0 without pacing

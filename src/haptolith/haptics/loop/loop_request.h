@@ -11,12 +11,12 @@ namespace haptolith {
 
 struct ShownScene;
 
-/// What another thread may ask of a running loop. It is done between two ticks.
+/// Requests of other threads to a running loop. They are carried out between two ticks.
 namespace request {
 
-struct Pause {};  ///< time stands still, and the hand is let go
+struct Pause {};  ///< pauses time, and sets the force to zero
 struct Resume {};
-struct Advance {  ///< so many ticks while it is paused
+struct Advance {  ///< runs a number of ticks while it is paused
   int ticks = 1;
 };
 struct Speed {  ///< slow motion: a simulated second takes 1 / factor seconds; for simulated hands only
@@ -34,7 +34,7 @@ struct Adjust {
   SoilLaws laws;  ///< see Bed::adjustSoil()
   double tool_friction = 0;
 };
-/// A grain that is to lie elsewhere, if it may (Scene::moveGrain()): one in a tick at most, likewise. Not to be asked
+/// Moves a particle if that is allowed (Scene::moveGrain()): also at most one per tick. Not to be requested
 /// for while time stands still: what is asked behind a second one, the end of the pause too, would wait for a tick.
 struct MoveGrain {
   GrainMove move;

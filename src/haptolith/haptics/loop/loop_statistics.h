@@ -10,13 +10,13 @@
 
 namespace haptolith {
 
-/// What the loop knows about itself. Fixed memory; add() may be called in the tick.
+/// Statistics of the loop. Fixed memory; add() may be called in the tick.
 class LoopStatistics {
  public:
   /// One tick: how long its work took, why it missed its deadline, and what the hand was made to feel.
   void add(double tick_us, Miss miss, const Wrench& felt) noexcept;
 
-  /// How long after its time a paced tick began: the system woke its thread late, or the tick before took too long.
+  /// Adds the lateness of a paced tick's begin: the system woke its thread late, or the tick before took too long.
   void addLateness(double late_us) noexcept { late_us_.add(late_us); }
 
   [[nodiscard]] std::uint64_t ticks() const noexcept { return tick_us_.count(); }

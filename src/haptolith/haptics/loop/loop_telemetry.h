@@ -17,8 +17,8 @@
 
 namespace haptolith {
 
-/// What leaves the loop: statistics, records of every tick, reports of trips and snapshots of the scene, through
-/// lock-free queues. Functions may be called in the tick, but for those of another thread.
+/// Output of the loop: statistics, records of every tick, reports of trips and snapshots of the scene, through
+/// lock-free queues. Functions may be called in the tick, except those of another thread.
 class LoopTelemetry {
  public:
   /// @param keep_records  whether anyone will call takeRecords().
@@ -33,14 +33,14 @@ class LoopTelemetry {
   [[nodiscard]] TickRecord& draft() noexcept { return last_[(statistics_.ticks() + 1) % last_.size()]; }
   /// The present tick has ended: counts it, adds times, soil and hash to the draft, and hands that out.
   void record(const LoopClock& clock, const Scene& scene) noexcept;
-  /// What led to the trip of the last tick.
+  /// Reports the ticks that led to the trip of the last tick.
   void report(SafetyTrip trip, LoopEnd end) noexcept;
   /// A part of a snapshot of the scene, or the last one, which `rest` completes with what the bed does not know.
   template <class Rest>
   void publish(ShownScene& shown, const LoopClock& clock, const Rest& rest) noexcept {
     if (SceneSnapshot* complete = copyPart(shown); complete != nullptr) {
-      // The present tick, whose scene this is, is counted only when it has ended. While time stands still there is
-      // none.
+      // The current tick of this scene is counted only when it has ended. While time is paused there is
+      // no tick.
       tell(*complete, clock, statistics_.ticks() + (clock.standsStill() ? 0 : 1));
       rest(*complete);
       shown.snapshots.publish();
@@ -79,8 +79,8 @@ class LoopTelemetry {
   std::atomic<std::uint64_t> lost_records_{0};
   std::array<TickRecord, TripReport::kTicks> last_;  ///< the last ticks, round and round
   LatestValue<TripReport> trip_reports_;
-  std::uint64_t published_ = 0;  ///< calls of publish()
-  double longest_tick_us_ = 0;   ///< since the last snapshot while time went on
+  std::uint64_t published_ = 0;  ///< number of calls of publish()
+  double longest_tick_us_ = 0;   ///< since the last snapshot, pauses excluded
 };
 
 }  // namespace haptolith

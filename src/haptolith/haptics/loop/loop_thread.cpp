@@ -17,7 +17,7 @@ LoopThread::LoopThread(HapticLoop& loop, const LoopParameters& parameters, std::
 }
 
 LoopThread::~LoopThread() {
-  if (thread_.joinable()) {  // an error on the other side: the hand is let go before anybody hears of it
+  if (thread_.joinable()) {  // an error on the other side: the force is released before the error propagates
     stop_ = true;
     thread_.join();
   }

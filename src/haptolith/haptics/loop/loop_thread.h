@@ -9,7 +9,7 @@
 namespace haptolith {
 
 /// The loop's thread: on the CPU that the parameters name, and real-time when they are paced and the system grants it.
-/// The hand is let go when it ends, and when this object does.
+/// The force is released when it ends, and when this object is destroyed.
 class LoopThread {
  public:
   /// @param stop  ends the loop when it becomes true; set by the destructor.

@@ -10,16 +10,16 @@
 
 namespace haptolith {
 
-/// A picture of the scene for viewers, about 60 times a second. Of a large bed each tick copies a part, so
+/// A picture of the scene for viewers, about 60 times a second. Each tick copies a part of a large bed, so
 /// that no tick is long: its first particles are then 15 ticks older than its last.
 struct SceneSnapshot {
   double time_s = 0;
   Pose scene_T_tool;
   double opening_m = 0;  ///< between the tool's jaws
-  // Of the last tick, also while time stands still and the device is sent zero.
-  Wrench soil_wrench;                ///< of the soil on the tool, about the tool's origin, scene frame, unfiltered
+  // Values of the last tick, also while time is paused and the device is sent zero.
+  Wrench soil_wrench;                ///< soil on tool, about the tool's origin, scene frame, unfiltered
   Wrench device_wrench;              ///< sent to the device, about the handle's origin, device frame
-  Wrench device_wrench_in_scene;     ///< the same turned into the scene's axes, as large as at the device
+  Wrench device_wrench_in_scene;     ///< device wrench in scene axes, with the device's magnitude
   std::vector<Float4> position;      ///< m; one per particle
   std::vector<Pose> stones;          ///< scene_T_stone of each
   std::vector<std::uint8_t> asleep;  ///< one per group of kGroup particles, 1 when it sleeps: see Wakefulness

@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-/// How many particles side by side fit on the tool's largest cross-section.
+/// Number of particles that fit next to each other on the tool's largest cross-section.
 double contactsAtOnce(const ToolParameters& tool, double radius_m) {
   const double reach_m = enclosingRadius(tool);
   return std::ceil(std::numbers::pi * reach_m * reach_m / (4 * radius_m * radius_m));

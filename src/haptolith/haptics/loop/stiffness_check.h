@@ -8,13 +8,13 @@
 
 namespace haptolith {
 
-/// Whether a device's own damping is enough for the stiffest thing that it is made to show, before anybody touches it.
+/// Whether a device's own damping is enough for the stiffest contact that it may render, before a person touches it.
 ///
 ///     b > K dt / 2 + B        (Colgate and Schenkel 1997, J. Robotic Systems 14:37)
 ///
 /// Directly coupled, K is at most that of all contacts at once that fit on the tool, as felt at the device, and B is 0;
-/// virtually, they are the coupling's. A person's hand adds damping of its own: a device that fails this may well be
-/// still in a hand, and shake when it is let go.
+/// virtually, they are the coupling's. A person's hand adds damping: a device that fails this may be
+/// stable in a hand, and shake when it is released.
 struct StiffnessCheck {
   double stiffness_n_m = 0;   ///< K at the device
   double needed_n_s_m = 0;    ///< K dt / 2 + B

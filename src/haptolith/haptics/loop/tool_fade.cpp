@@ -6,9 +6,9 @@ namespace haptolith {
 
 namespace {
 
-/// How long the tool takes to leave the soil before tool or bed are replaced, by the clock, and to come back, in
-/// simulated time. A choice: the force of a press goes within what a finger takes for "at once", and returns slower
-/// than a hand reacts, so that a hand that was let go is not struck.
+/// Duration for which the tool leaves the soil before tool or bed are replaced, by the clock, and returns, in
+/// simulated time. A choice: the force of a press vanishes within what a finger feels as instantaneous, and returns
+/// slower than a hand reacts, so that a released hand is not struck.
 constexpr double kOut_s = 0.1;
 constexpr double kIn_s = 0.3;
 

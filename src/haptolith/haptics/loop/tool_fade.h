@@ -7,8 +7,8 @@
 
 namespace haptolith {
 
-/// The tool fades out of the soil when it is not to be felt, when the hand has been let go, and before another tool or
-/// bed takes its place; and into it again: no hand feels a jump, and soil that finds itself inside the tool is moved
+/// Fades the tool out of the soil when it should not be felt, after a safety trip, and before another tool or
+/// bed replaces it; and fades it in again: the force has no jump, and soil inside the tool is moved
 /// out of its way. Functions may be called in the tick.
 class ToolFade {
  public:
@@ -26,7 +26,7 @@ class ToolFade {
   /// One tick. @param speed  of time. @return what is to be replaced now, once.
   std::optional<request::Replace> step(bool hand_feels, double speed) noexcept;
 
-  /// How much of the tool there is, for Scene::setToolFade().
+  /// Present fraction of the tool's stiffness, for Scene::setToolFade().
   [[nodiscard]] double stiffnessShare() const noexcept { return ramp_.share() * ramp_.share(); }
   /// Whether the tool has to be placed where the hand is, instead of moved there through the soil: true once after
   /// begin(), and at first.

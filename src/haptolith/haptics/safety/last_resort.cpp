@@ -24,11 +24,11 @@ constexpr long kBetweenLooks_ns = 50'000;
 
 constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS, SIGTRAP};
 constexpr std::array kHalting{SIGTSTP, SIGTTIN, SIGTTOU};
-/// Do nothing unless somebody handles them, or cannot be handled.
+/// Signals without effect unless handled, or that cannot be handled.
 constexpr std::array kLeftAlone{SIGCHLD, SIGCONT, SIGURG, SIGWINCH, SIGKILL, SIGSTOP};
 
 constexpr int kSignals = 65;  // Linux has 1 to 64
-constexpr int kFinish = -1;   // what the helper may be told, beside a signal
+constexpr int kFinish = -1;   // commands to the helper, in addition to signals
 constexpr int kTryRegardless = -2;
 
 template <std::size_t kCount>
@@ -43,8 +43,8 @@ std::atomic<bool> dying{false};               ///< a signal that ends the progra
 std::atomic<bool> done{false};                ///< and what can be done for the hand has been
 std::atomic<bool> helped{false};              ///< zero has been sent regardless
 std::atomic<bool> has_released_force{false};  ///< see releasedForceMeanwhile()
-std::atomic<int> told{0};                     ///< to the helper
-sem_t call;                                   ///< of the helper
+std::atomic<int> told{0};                     ///< command to the helper
+sem_t call;                                   ///< semaphore of the helper
 std::array<struct sigaction, kSignals> usual;
 std::array<bool, kSignals> handled{};
 
@@ -58,7 +58,7 @@ void handle(int signal) noexcept {
   sigaction(signal, &action, nullptr);
 }
 
-/// What the signal does when nobody handles it. Returns when a program that was halted goes on.
+/// Takes the default action of the signal. Returns when a halted program continues.
 void takeEffect(int signal) noexcept {
   sigaction(signal, &usual[static_cast<std::size_t>(signal)], nullptr);
   sigset_t only;
@@ -84,7 +84,7 @@ bool within(std::int64_t timeout_ns, const Condition& met) noexcept {
   return true;
 }
 
-/// Until the device has been let go, or this thread finds that it is itself what holds it up.
+/// Waits until the device has been released, or this thread finds that it holds the lock itself.
 ForceRelease waitFor(const HapticDevice& device) noexcept {
   ForceRelease how = ForceRelease::kUnderWay;
   (void)within(kPatience_ns, [&] { return (how = device.forceRelease()) != ForceRelease::kUnderWay; });
@@ -173,7 +173,7 @@ void handleAll() noexcept {
   }
 }
 
-/// Unless somebody else handles it by now.
+/// Restores the default action, unless another handler has been installed.
 void handleAsUsual() noexcept {
   for (int signal = 1; signal < kSignals; ++signal) {
     const auto at = static_cast<std::size_t>(signal);

@@ -8,15 +8,15 @@
 namespace haptolith {
 
 /// As long as it lives, every signal that would end or halt the program (SIGSEGV, SIGABRT with std::terminate(),
-/// SIGHUP, SIGTSTP of Ctrl-Z, SIGUSR1, SIGALRM, ...) first lets go of the hand. Then it does what it does without: it
-/// ends the program, with a core dump where there is one, or halts it. What is ignored stays so, and who handles such a
-/// signal keeps it, crashes excepted.
+/// SIGHUP, SIGTSTP of Ctrl-Z, SIGUSR1, SIGALRM, ...) first sets the force to zero. Then the default action follows: it
+/// ends the program, with a core dump if enabled, or halts it. Ignored signals stay ignored, and existing handlers of
+/// such a signal stay, except for crashes.
 ///
-/// The handler waits up to 50 ms for a device that cannot be let go at once, because a thread is inside its library. Is
-/// that the very thread that the signal has interrupted, it is sent back, and a helper, a thread of this object,
-/// finishes when the call has come out. Only a thread that crashed inside the library never comes out: then the helper
-/// tries to send zero past it, for 50 ms, for the library may hold a lock. After that, the device's own watchdog has to
-/// do it; so it has after SIGKILL, SIGSTOP and power cuts, which nobody can handle.
+/// The handler waits up to 50 ms for a device that cannot be released immediately, because a thread is inside its
+/// library. If that is the thread that the signal has interrupted, it is sent back, and a helper, a thread of this
+/// object, finishes when the call has come out. Only a thread that crashed inside the library never comes out: then the
+/// helper tries to send zero past it, for 50 ms, because the library may hold a lock. After that, the device's own
+/// watchdog must do it; also after SIGKILL, SIGSTOP and power cuts, which cannot be handled.
 ///
 /// Threads that may run out of stack need a SignalStack. One LastResort at a time; a second one takes over from the
 /// first until it goes. Made and destroyed by the same thread, which is given a SignalStack.

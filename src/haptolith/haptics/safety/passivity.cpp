@@ -25,7 +25,7 @@ constexpr double kForgiveness_s = 2;
 /// Joins turning to moving: a handle's radius of gyration, about.
 constexpr double kLever_m = 0.05;
 
-/// What a hand that has paid nothing yet may be given by a force that comes late.
+/// Initial credit: energy that a delayed force may give to a hand that has done no work yet.
 constexpr double kCredit_j = 0.5e-3;
 constexpr double kLightestHandle_kg = 0.05;
 
@@ -37,7 +37,7 @@ constexpr double kJump_m_s = 0.01;
 constexpr double kBraked_s = 0.03;
 constexpr double kBrakedForgotten_s = 5;
 
-/// How long noise is measured over, and how many of its standard deviations the dead band is wide.
+/// Duration over which noise is measured, and width of the dead band in its standard deviations.
 constexpr double kNoise_s = 0.5;
 constexpr double kNoiseWidths = 2.5;
 
@@ -45,8 +45,8 @@ constexpr double kNoiseWidths = 2.5;
 constexpr double kUnfelt_n = 0.05;
 
 /// Shaking: less than 0.3 mJ in a quarter of a second is what noise of +-0.1 mm and grains that slip make of a force
-/// that is steady. A millijoule more halves the force; it is forgotten slowly, for a grip that shook once will shake
-/// again. An impact of a handle that is dropped gives its energy back within some 30 ms: at 5 mW it is not taken for
+/// that is steady. A millijoule more halves the force; it is forgotten slowly, because a grip that shook once will
+/// shake again. An impact of a dropped handle returns its energy within about 30 ms: at 5 mW it does not count as
 /// shaking.
 constexpr double kShakingAllowed_j = 0.3e-3;
 constexpr double kShakingHalves_j = 1e-3;
@@ -122,7 +122,7 @@ Passivity::Passivity(const PassivityParameters& parameters, double tick_s) noexc
 /// white noise have twenty times its variance.
 double Passivity::deadBand(const Vec3& position_m) noexcept {
   if (parameters_.resolution_m == 0) {
-    return 0;  // what is told is exact
+    return 0;  // readings are exact
   }
   if (told_ == told_m_.size()) {
     const Vec3 third_m = position_m - 3 * told_m_[2] + 3 * told_m_[1] - told_m_[0];
@@ -227,7 +227,7 @@ double Passivity::affordable(const Wrench& wrench) noexcept {
     braked_s_ += tick_s_ * (1 - left) - tick_s_ / kBrakedForgotten_s * braked_s_;
     return left;
   }
-  // What is on its way already, and how it will move the handle.
+  // Forces that are already under way, and the resulting movement of the handle.
   Twist twist = twist_;
   const double whole_j = injected();
   double given_j = whole_j;

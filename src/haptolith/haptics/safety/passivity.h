@@ -10,12 +10,12 @@
 
 namespace haptolith {
 
-/// What the controller has to know of soil and device.
+/// Properties of soil and device that the controller needs.
 struct PassivityParameters {
   double stiffness_n_m = 0;  ///< k of the softest spring that stores what the hand presses with
   double delay_s = 0;        ///< from a force that is sent to one that acts, 31 ticks at most
   bool delay_known = true;   ///< else it is anything up to delay_s
-  /// Positions are told in steps, or with noise to either side, of at most this. 0: they are exact, and nothing below
+  /// Resolution of positions, or amplitude of their noise. 0: they are exact, and nothing below
   /// about dead bands, noise and shaking applies, as for a simulated hand.
   double resolution_m = 0;
 };
@@ -25,25 +25,26 @@ struct PassivityParameters {
 ///
 ///     E += F_held . dx + T_held . dr          F_held: what was shown between the two readings
 ///
-/// dx passes a dead band as wide as the device's resolution, or as the noise that is measured: a handle at rest that is
-/// told to be one step here, one step there does no work, though soil that is stiff answers each step with a force.
+/// dx passes a dead band as wide as the device's resolution, or as the measured noise: a handle at rest whose
+/// reading flips between two steps does no work, although stiff soil responds to each step with a force.
 ///
-/// Two accounts. The whole one begins at zero, and soil that nobody has pressed has nothing to give: E > 0 is an error.
+/// Two accounts. The total one begins at zero, and soil that has not been pressed stores nothing: E > 0 is an error.
 /// But digging dissipates so much that it could hide seconds of shaking, and a load that is lowered rightly gives
-/// energy back. So the quick one counts what is above 6 Hz, where no person moves on purpose and gravity does no work.
-/// What it can owe is no more than springs hold that are pressed so hard, it forgets within a quarter of a second, and
-/// 2 mJ are forgiven, since soil that slips under a hand rightly gives so much; but a tenth of that while it goes on.
+/// energy back. So the quick one counts energy above 6 Hz, where no person moves on purpose and gravity does no work.
+/// Its balance is limited by the energy of springs under that force, it forgets within a quarter of a second, and
+/// 2 mJ are tolerated, because soil that slips under a hand rightly returns that much; but a tenth of that while it
+/// lasts.
 ///
 ///     E_quick >= -F_quick^2 / (2 k)
 ///
 /// Both are kept for each delay that the device may have, and the worst counts: a force that is shown later than it was
 /// sent pushes where it should have braked.
 ///
-/// What is in excess is taken back with a damper, F -= alpha v, alpha = E / (dt v^2), as far as a damper may go: no
-/// further than a step of the device's resolution makes a force that nobody feels.
+/// Excess is dissipated by a damper, F -= alpha v, alpha = E / (dt v^2), up to the largest useful damper: a step of the
+/// device's resolution must not make a force above the detection threshold.
 ///
-/// Shaking that goes on all the same lowers the force (softening()): what the quick account has above 0.3 mJ is booked
-/// as E_shaken, 5 mW at most, and forgotten within some 10 s.
+/// Shaking that continues lowers the force (softening()): the quick account's excess over 0.3 mJ is booked
+/// as E_shaken, 5 mW at most, and forgotten within about 10 s.
 ///
 ///     F *= 1 / (1 + E_shaken / 1 mJ)
 ///
@@ -56,8 +57,8 @@ struct PassivityParameters {
 /// At an unknown delay such a limit would weaken the first touch of every device. There a force is reduced only while
 /// the handle jumps along it, as it does when a hand releases it: u is its velocity above 6 Hz along the force, s the
 /// standard deviation of noise. u is the mean of three ticks, without the dead band, which would hide the first 3 ms of
-/// a jump; one step of the device alone is no jump. B is for how long the force was reduced, each tick counted by the
-/// share that it lost, and is forgotten within some 5 s: a strong damper that is late would keep a handle shaking.
+/// a jump; one step of the device alone is no jump. B is the time of reduced force, each tick weighted by the
+/// lost fraction, and is forgotten within about 5 s: a strong damper that is late would keep a handle shaking.
 ///
 ///     |F| -= (u - 0.01 m/s - s / dt) (1 - B / 30 ms) 25 N s/m
 ///
@@ -87,7 +88,7 @@ class Passivity {
   [[nodiscard]] double quickInjected() const noexcept;  ///< J, quick account
 
  private:
-  /// What the hand was given, if forces are shown so many ticks after they are sent.
+  /// Energy given to the hand, if forces act a number of ticks after they are sent.
   struct Account {
     std::size_t delay = 0;
     QuickMovement quick_force, quick_torque;

@@ -9,9 +9,9 @@ namespace haptolith {
 namespace {
 
 constexpr double kFastest_m_s = 10;
-constexpr double kHand_m = 0.1;             ///< how far from its wrist a hand holds a handle
-constexpr double kLargestJump = 0.3;        ///< of a velocity in a tick, as a share of the fastest
-constexpr double kContradiction_s = 0.004;  ///< at the fastest
+constexpr double kHand_m = 0.1;             ///< distance of the handle from the wrist
+constexpr double kLargestJump = 0.3;        ///< of a velocity in a tick, as a fraction of the maximum
+constexpr double kContradiction_s = 0.004;  ///< at the maximum velocity
 constexpr double kForgotten_s = 0.1;
 
 }  // namespace
@@ -51,7 +51,7 @@ bool Plausibility::Account::add(const Vec3& made, const Vec3& velocity_now, doub
   if (as_fast_as_a_hand && promised.norm() <= kContradiction_s * fastest) {
     return true;
   }
-  promised.setZero();  // the hand is let go; what it does from here on is looked at afresh
+  promised.setZero();  // tripped; later readings are judged afresh
   return false;
 }
 

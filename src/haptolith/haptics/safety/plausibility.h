@@ -4,7 +4,7 @@
 
 namespace haptolith {
 
-/// Whether a hand could have moved as its device tells. It could not when
+/// Whether a hand could have moved as its device reports. It could not when
 ///   - it moves or turns faster than any hand (10 m/s; 100 rad/s, as a hand of 0.1 m about its wrist), by its velocity
 ///   or
 ///     from one tick to the next;
@@ -15,12 +15,12 @@ namespace haptolith {
 ///     shows.
 ///
 /// All that devices rightly do stays well below: noise of 0.1 mm and steps of 0.06 mm are 0.2 m/s from one tick to the
-/// next. A device whose packets are late, up to 20 ms of them, tells an old velocity meanwhile and then makes the way
-/// all at once: that is the way that its velocity has promised, and no jump. A velocity of exactly zero promises
+/// next. A device whose packets are late, by up to 20 ms, repeats an old velocity and then covers the distance
+/// in one step: that matches its velocity, and is not a jump. A velocity of exactly zero promises
 /// nothing: some devices know none. Functions may be called in the tick.
 class Plausibility {
  public:
-  /// @param rate_hz  at which the device tells something new.
+  /// @param rate_hz  of new readings from the device.
   Plausibility(double rate_hz, double tick_s);
 
   /// The next input, live and finite; whether a hand could have moved like that.

@@ -11,8 +11,8 @@ namespace haptolith {
 
 namespace {
 
-/// A device that stands at the edge of its workspace does not leave it by the last bit, nor by what its radius was
-/// rounded by.
+/// Tolerance at the edge of the workspace: rounding of a position or of the radius does not
+/// count as leaving it.
 constexpr double kBeyondWorkspace = 1.01;
 
 bool isFinite(const DeviceInput& input) noexcept {
@@ -172,7 +172,7 @@ DeviceOutput SafetyLayer::step(const DeviceOutput& rendered, const Wrench& weigh
   return held_;
 }
 
-/// What is left of it, and added to it, when a hand was given too much energy.
+/// Reduces and damps the output when the hand was given too much energy.
 DeviceOutput SafetyLayer::dampedForPassivity(DeviceOutput wanted) noexcept {
   if (const double share = damps_ ? passivity_.softening() : 1; share < 1) {
     wanted.wrench = {share * wanted.wrench.force_n, share * wanted.wrench.torque_nm};
@@ -195,7 +195,7 @@ bool SafetyLayer::stopped() const noexcept {
   if (!stopping_ || soft_stop_s_ == 0 || trip_ != SafetyTrip::kNone) {
     return stopping_;
   }
-  // Where force may change slowly only, it still falls when nothing is wanted any more.
+  // With a limited rate of force, it still decreases when no output is requested any more.
   return soft_start_.share() == 0 && held_.wrench.force_n.norm() <= tick_s_ * limits_.max_force_rate_n_s &&
          held_.wrench.torque_nm.norm() <= tick_s_ * limits_.max_torque_rate_nm_s;
 }
@@ -208,7 +208,7 @@ void SafetyLayer::startOrStopSoftly() noexcept {
   }
 }
 
-/// What the device can show; directions stay.
+/// Limits the output to the device's range; directions stay.
 DeviceOutput SafetyLayer::limited(const DeviceOutput& wanted) noexcept {
   const double finger_n = limits_.max_gripper_force_n;
   DeviceOutput can{haptolith::limited(wanted.wrench, limits_), std::clamp(wanted.gripper_force_n, -finger_n, finger_n)};

@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// Why the hand is made to feel nothing. Recordings hold the numbers; HAPTO_TRIP_... of the library.
+/// Causes of a safety trip. Recordings hold the numbers; HAPTO_TRIP_... in the library.
 enum class SafetyTrip : std::uint8_t {
   kNone = 0,
   kDeviceNotFinite = 1,  ///< the pose or velocity from the device is NaN or infinite
@@ -25,10 +25,10 @@ enum class SafetyTrip : std::uint8_t {
 
 [[nodiscard]] const char* text(SafetyTrip trip) noexcept;
 
-/// How the loop itself is doing.
+/// Health of the loop itself.
 struct LoopHealth {
   bool late = false;            ///< the last tick did not end in time
-  bool heartbeat_lost = false;  ///< the watchdog has let go of the hand
+  bool heartbeat_lost = false;  ///< the watchdog has tripped
 };
 
 /// The one place between what is simulated and what a hand is made to feel, device's frame.
@@ -40,7 +40,7 @@ struct LoopHealth {
 class SafetyLayer {
  public:
   /// @param storage_n_m  see Passivity. @throws InvalidParameter as validate().
-  /// @param simulated    nobody's hand is at the device: neither soft start nor stop, and time may be missed.
+  /// @param simulated    no person's hand is at the device: neither soft start nor stop, and deadlines may be missed.
   SafetyLayer(const SafetyParameters& parameters, const DeviceLimits& limits, bool simulated, double storage_n_m,
               double tick_s);
 
@@ -51,12 +51,12 @@ class SafetyLayer {
   void releaseForce(SafetyTrip why) noexcept;
 
   /// Device wrench to send instead of `rendered` plus `weight`, device frame, about the handle's origin.
-  /// @param weight  of the tool, in the device's frame. Gravity gives back what lifting costs: what the device can show
-  /// of it is no matter of Passivity.
+  /// @param weight  of the tool, in the device's frame. Gravity returns the work of lifting: the rendered
+  /// part of it is excluded from Passivity.
   DeviceOutput step(const DeviceOutput& rendered, const Wrench& weight = {}) noexcept;
 
-  /// Force goes to nothing and stays there: the run is about to end. Whether it has; a hand that has been let go feels
-  /// nothing already.
+  /// Fades the force to zero because the run is about to end; returns whether it is zero. After a trip it already
+  /// is.
   void stop() noexcept { stopping_ = true; }
   [[nodiscard]] bool stopped() const noexcept;
 

@@ -5,21 +5,21 @@
 
 namespace haptolith {
 
-/// What stands between the simulation and a person's hand. On by default.
+/// Protection between the simulation and a person's hand. On by default.
 struct SafetyParameters {
   double soft_start_s = 2;                   ///< forces grow from nothing in this time, at first and after every trip
   double soft_stop_s = 0.2;                  ///< and fall to nothing in this time when a run ends in good order
-  int most_misses = 20;                      ///< deadlines missed in a row that are borne
-  double heartbeat_s = 0.004;                ///< longest time without a tick before the watchdog lets go of the hand
-  double calm_s = 1;                         ///< all must have been well for so long before forces come back
-  bool passivity = true;                     ///< whether energy in excess is damped; it is observed in any case
+  int most_misses = 20;                      ///< consecutive missed deadlines that are tolerated
+  double heartbeat_s = 0.004;                ///< longest time without a tick before the watchdog trips
+  double calm_s = 1;                         ///< time without a fault before forces return
+  bool passivity = true;                     ///< whether excess energy is damped; it is observed in any case
   double max_force_n = DeviceLimits::kNone;  ///< less than the device could show, if one likes
   double max_torque_nm = DeviceLimits::kNone;
 
   [[nodiscard]] bool operator==(const SafetyParameters&) const = default;
 };
 
-/// What is valid; a limit may also be DeviceLimits::kNone.
+/// Valid ranges; a limit may also be DeviceLimits::kNone.
 struct SafetyRanges {
   static constexpr Range soft_start_s{0, 60};
   static constexpr Range soft_stop_s{0, 5};

@@ -12,7 +12,7 @@ namespace haptolith {
 enum class LoopEnd {
   kRunning,
   kDuration,   ///< the time asked for is over
-  kStopped,    ///< somebody asked it to stop
+  kStopped,    ///< stopped on request
   kFinished,   ///< the device has nothing more to give: a pose file's end
   kHandLeft,   ///< a simulated hand left the space around the bed, or its pose or velocity is NaN or infinite
   kLost,       ///< the device is gone
@@ -23,12 +23,12 @@ inline constexpr int kLoopEnds = static_cast<int>(LoopEnd::kCollapsed) + 1;
 
 [[nodiscard]] const char* text(LoopEnd end) noexcept;
 
-/// The last ticks before the hand was let go, and the one that did it, oldest first.
+/// The last ticks up to and including the one that tripped, oldest first.
 struct TripReport {
   static constexpr std::size_t kTicks = 50;
 
   SafetyTrip trip = SafetyTrip::kNone;
-  LoopEnd end = LoopEnd::kRunning;  ///< of the run, when it ended with that
+  LoopEnd end = LoopEnd::kRunning;  ///< end of the run, if the trip ended it
   double time_s = 0;
   std::size_t count = 0;
   std::array<TickRecord, kTicks> ticks;

@@ -73,7 +73,7 @@ void Watchdog::watch() noexcept {
       continue;
     }
     if (!fired_.load(std::memory_order_acquire)) {
-      // In this order: a loop that hears of it at once must not take the hand up before it has been let go.
+      // In this order: a loop that is notified must not resume the force before it has been released.
       device_.releaseForce();
       fired_.store(true, std::memory_order_release);
     }

@@ -8,8 +8,8 @@
 
 namespace haptolith {
 
-/// Lets go of the hand when the loop falls silent: from a thread of its own, since the loop cannot. When it is the
-/// whole process that stood still, the loop may be the first to wake; so the loop itself asks, too, how long it was
+/// Releases the force when the loop falls silent: from a separate thread, because the loop cannot. If the
+/// complete process was suspended, the loop may be the first to wake; so the loop itself also checks how long it was
 /// silent. One for a loop; it sleeps until start().
 class Watchdog {
  public:
@@ -28,18 +28,18 @@ class Watchdog {
   /// The loop lives. Whether it has been silent for too long before, no matter who noticed. May be called in the tick.
   [[nodiscard]] bool beat() noexcept;
 
-  /// Whether a force that was computed since the last beat() must not be shown any more: the hand has been let go since
-  /// the last resumeForce(), or should have been. May be called in the tick.
+  /// Whether a force that was computed since the last beat() must not be rendered any more: the watchdog has tripped
+  /// since the last resumeForce(), or should have been. May be called in the tick.
   [[nodiscard]] bool tooLate() const noexcept;
 
-  /// Whether this thread has let go of the hand since the last resumeForce(). May be called in the tick.
+  /// Whether this thread has released the force since the last resumeForce(). May be called in the tick.
   [[nodiscard]] bool fired() const noexcept { return fired_.load(std::memory_order_acquire); }
 
   /// The loop lives again, and gives the hand force again. In the tick.
   void resumeForce() noexcept;
 
  private:
-  /// kIdle: nobody is watched, and the thread knows. kStopping: the thread has yet to notice.
+  /// kIdle: no loop is watched, and the thread has noticed. kStopping: the thread has yet to notice.
   enum class State : std::uint8_t { kIdle, kWatching, kStopping, kOver };
 
   [[nodiscard]] bool watches() const noexcept { return state_.load(std::memory_order_relaxed) == State::kWatching; }

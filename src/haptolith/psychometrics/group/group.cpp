@@ -25,9 +25,9 @@ namespace {
 // ln(width) a factor of e^0.6 = 1.8 between people is usual; of thresholds a quarter of the stimuli's range.
 constexpr double kUsualLogSpread = 0.6;
 constexpr double kUsualThresholdSpread = 0.125;  // of the support, which is twice that range
-// Of Beta(1, 100), the prior of the lapse rate that all share. Chosen by simulation (docs/reference/psychometrics.md):
-// a wider one lets few answers of sharp people who lapse pass for those of people who do not, and leaves the Weber
-// fraction open below.
+// Of Beta(1, 100), the prior of the lapse rate that all share. Chosen by simulation
+// (docs/reports/psychometric-coverage.md): a wider one lets few answers of sharp people who lapse pass for those of
+// people who do not, and leaves the Weber fraction open below.
 constexpr double kLapseBeta = 100;
 constexpr std::array kLapses{0.001, 0.02, 0.08};  // under which a table holds the likelihood, if the rate is free
 constexpr int kGuesses = 9;

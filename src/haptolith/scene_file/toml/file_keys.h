@@ -27,7 +27,7 @@ struct TextOrNumber {
   std::optional<double> number = {};
 };
 
-/// How long a text may be: a line such as a title, the path of a file, or paragraphs for a page.
+/// Length limit of a text: a line such as a title, the path of a file, or paragraphs for a page.
 enum class TextSize { kLine, kPath, kPage };
 
 /// In bytes of UTF-8.
@@ -35,8 +35,8 @@ enum class TextSize { kLine, kPath, kPage };
   return size == TextSize::kLine ? 200 : size == TextSize::kPath ? 4096 : 20'000;
 }
 
-/// One key of a TOML file that is read into a Target and written from it: its place, what is valid there, what it
-/// changes, and what it is. A set() may throw InvalidParameter. Every key says how it is written, or kOnlyRead.
+/// One key of a TOML file that is read into a Target and written from it: its place, valid values, its
+/// target, and its meaning. A set() may throw InvalidParameter. Every key has a way to be written, or kOnlyRead.
 template <class Target>
 struct FileKey {
   struct NumberValue {
@@ -50,12 +50,12 @@ struct FileKey {
     std::function<std::int64_t(const Target&)> get;
   };
   struct VectorValue {
-    Range valid;  ///< of each of the three numbers
+    Range valid;  ///< range of each of the three numbers
     std::function<void(Target&, const Vec3&)> set;
     std::function<Vec3(const Target&)> get;
   };
   struct IntervalValue {
-    Range valid;  ///< of both ends
+    Range valid;  ///< range of both ends
     std::function<void(Target&, const Range&)> set;
     std::function<std::optional<Range>(const Target&)> get;  ///< none: left out
   };
@@ -84,7 +84,7 @@ struct FileKey {
     std::function<void(Target&, const std::vector<TextOrNumber>&)> set;
     std::nullptr_t get = kOnlyRead;
   };
-  /// The name of another file, which lies beside the one that names it.
+  /// The name of another file, relative to the one that names it.
   struct PathValue {
     std::function<void(Target&, const std::filesystem::path&)> set;
     std::function<std::filesystem::path(const Target&)> get;  ///< empty: left out
@@ -92,7 +92,7 @@ struct FileKey {
 
   std::string_view table;  ///< "soil"; empty at the top of the file
   std::string_view name;
-  std::string parameter;  ///< what validate() calls it, in SI: "width_m" for width_mm
+  std::string parameter;  ///< name in validate(), in SI: "width_m" for width_mm
   std::variant<NumberValue, CountValue, VectorValue, IntervalValue, SwitchValue, WordValue, TextValue, DataValue,
                ItemsValue, PathValue>
       value;

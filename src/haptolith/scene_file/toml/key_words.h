@@ -10,7 +10,7 @@
 
 namespace haptolith {
 
-/// A word of scene files, soil files and the command line, and what it stands for.
+/// A word of scene files, soil files and the command line, and its value.
 template <class Value>
 struct SceneWord {
   std::string_view name;
@@ -18,7 +18,7 @@ struct SceneWord {
 };
 
 template <class Value>
-SceneWord(const char*, Value) -> SceneWord<Value>;  // clang 14 does not find it by itself
+SceneWord(const char*, Value) -> SceneWord<Value>;  // clang 14 does not deduce it
 
 /// The names in a table of words, presets or bodies.
 template <class Table>

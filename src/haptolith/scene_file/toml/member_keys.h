@@ -81,7 +81,7 @@ class MemberKeys {
             meaning};
   }
 
-  /// Of whole numbers of any type.
+  /// A key of whole numbers of any type.
   [[nodiscard]] Key count(std::string_view name, auto member, const Range& valid, std::string_view meaning) const {
     return {table_, name, std::string(name),
             typename Key::CountValue{valid, setter<std::int64_t>(member), getter<std::int64_t>(member)}, meaning};

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestFileBytes = 1 << 20;  // a scene is some 2 kB; more is the wrong file
+constexpr std::size_t kLargestFileBytes = 1 << 20;  // a scene is about 2 kB; more is the wrong file
 
 int lineOfNode(const toml::node& node) {
   return static_cast<int>(node.source().begin.line);
@@ -106,7 +106,7 @@ std::string TomlReader::readText() const {
     refuseFile("not a file");
   }
   std::ifstream file(path_, std::ios::binary);
-  std::string text(kLargestFileBytes + 1, '\0');  // more than the size that the system tells, which may be wrong
+  std::string text(kLargestFileBytes + 1, '\0');  // more than the system's size, which may be wrong
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!file.is_open() || file.bad()) {
     throw Failure(fmt::format("cannot read {}: {}", path_.string(), std::strerror(errno)));
@@ -238,7 +238,7 @@ void TomlReader::refuseUnknownKeysIn(std::string_view table, const toml::node& n
 void TomlReader::refuseUnknown(const KeyName& key, const toml::node& node, std::span<const KeyName> known) const {
   const std::string shown = node.is_table() ? fmt::format("[{}]", key.name) : fullName(key);
   const std::string message = fmt::format("{} is not known{}", shortened(shown), suggestion(key, known));
-  // A table that an override has made stands in no line: its key tells who asked for it.
+  // A table that an override has made has no line: its key names the override.
   const toml::table* made = node.source().begin ? nullptr : node.as_table();
   const toml::node& at = made == nullptr || made->empty() ? node : made->begin()->second;
   throw TomlError(located(at, message), lineOfNode(at), {dotted(key), quote(node), "a key that is known"});
@@ -407,7 +407,7 @@ std::vector<TextOrNumber> TomlReader::items(const Place& place) const {
   return items;
 }
 
-/// Looked for beside the file, wherever the program was started.
+/// Searched relative to the file, wherever the program was started.
 fs::path TomlReader::besideFile(const Place& place) const {
   const fs::path folder = isOverride(place.node) ? fs::path() : path_.parent_path();
   fs::path path = currentPath(folder / text(place, TextSize::kPath));

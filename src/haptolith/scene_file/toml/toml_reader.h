@@ -25,10 +25,10 @@ struct FileKind {
   std::string_view name;         ///< "scene"
   std::string_view example_key;  ///< "title"
   std::string_view document;     ///< "docs/reference/scenes.md"
-  std::string_view left_out;     ///< what a key is that the file leaves out: "left out, so the paper's"
+  std::string_view left_out;     ///< text for absent keys: "left out, so the paper's"
 };
 
-/// Where a key stands, whatever it is.
+/// Place of a key of any type.
 struct KeyName {
   std::string_view table, name;
 };
@@ -54,14 +54,14 @@ class TomlReader {
   /// @throws TomlError when there is no such file or it is no TOML; Failure when it cannot be read.
   TomlReader(const std::filesystem::path& path, const FileKind& kind);
 
-  /// The same for a text that is no file, or no file yet; messages call it `path`.
+  /// As above for a text that is not a file, or not yet; messages call it `path`.
   TomlReader(const std::filesystem::path& path, std::string_view text, const FileKind& kind);
 
   /// Nothing but overrides.
   TomlReader(std::span<const std::string> overrides, const FileKind& kind);
 
-  /// As if the file said so: each is "table.key=value", or "key=value" at the top. The value is TOML; what is none is
-  /// text. A key of the file that is a rival of one of these is passed over. @throws TomlError.
+  /// Overrides keys of the file: each is "table.key=value", or "key=value" at the top. The value is TOML, otherwise
+  /// text. A key of the file that is a rival of one of these is ignored. @throws TomlError.
   void takeOverrides(std::span<const std::string> overrides, std::span<const RivalKeys> rivals);
 
   /// Leaves out the keys of a table, or of the file itself where that is empty, that `which` chooses and no override
@@ -74,11 +74,11 @@ class TomlReader {
   [[nodiscard]] bool has(std::string_view table) const { return table_->contains(table); }
   [[nodiscard]] bool has(std::string_view table, std::string_view name) const { return find(table, name) != nullptr; }
 
-  /// A reader for each of the tables [[name]], which reads their keys as if each were a file of its own.
+  /// A reader for each of the tables [[name]], which reads their keys as those of a separate file.
   /// @throws TomlError when there is something else of that name.
   [[nodiscard]] std::vector<TomlReader> parts(std::string_view name) const;
 
-  /// Where the table begins that this reads; 1 for a whole file.
+  /// First line of this reader's table; 1 for a complete file.
   [[nodiscard]] int line() const;
 
   /// The nearest of the known keys is suggested.
@@ -89,7 +89,7 @@ class TomlReader {
 
   void require(std::string_view table, std::string_view name) const;
 
-  /// Where a key stands that the file has.
+  /// Line of a key in the file.
   [[nodiscard]] int lineOf(std::string_view table, std::string_view name) const;
 
   /// "file:line: message", or which override it is, of a key that is there.
@@ -99,10 +99,10 @@ class TomlReader {
 
   [[noreturn]] void refuse(int line, std::string_view message) const;
 
-  /// What is wrong with the value of a key that the file has.
+  /// Refuses the value of a key in the file.
   [[noreturn]] void refuseKey(const KeyName& key, std::string_view valid) const;
 
-  /// Sets what `key` stands for, if the file has it.
+  /// Sets the target of `key`, if the file has it.
   template <class Target>
   void apply(const FileKey<Target>& key, Target& target) const;
 

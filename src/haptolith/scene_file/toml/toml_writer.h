@@ -12,7 +12,7 @@
 
 namespace haptolith {
 
-/// The shortest text that TOML reads back as this number, to the last bit.
+/// The shortest text that TOML reads back as this number exactly.
 [[nodiscard]] std::string tomlNumber(double value);
 
 /// Quoted, and escaped where it has to be.

@@ -25,7 +25,7 @@ struct ExportColumn {
   std::vector<std::pair<std::string, std::string>> levels = {};  ///< values and what they mean, where there are few
 };
 
-// The columns of trials, before those of the forms, and of sessions. docs/how-to/studies.md has each of them.
+// The columns of trials, before those of the forms, and of sessions. docs/reference/study-files.md lists them.
 [[nodiscard]] std::span<const ExportColumn> trialColumns();
 [[nodiscard]] std::span<const ExportColumn> sessionColumns();
 

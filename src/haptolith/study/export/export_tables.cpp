@@ -40,42 +40,40 @@ std::function<std::string(const TrialOf&)> ofAnswer(Text text) {
 std::vector<FilledColumn<TrialOf>> designColumns() {
   return {
       {{"participant", "", "Pseudonym of the participant.", ""}, [](const TrialOf& of) { return of.participant.code; }},
-      {{"participant_number", "", "The participant's place in the study: 1 is the first.", ""},
+      {{"participant_number", "", "Sequence number of the participant, from 1.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.participant.number); }},
       {{"participant_state",
         "",
-        "What has become of the participant.",
+        "State of the participant.",
         "",
-        {{"running", "has not finished"},
-         {"finished", "has"},
-         {"withdrawn", "ended it; figures leave them out"},
-         {"excluded", "is left out by the experimenter"}}},
+        {{"running", "not finished"},
+         {"finished", "finished"},
+         {"withdrawn", "withdrew; left out of figures"},
+         {"excluded", "excluded by the experimenter"}}},
        [](const TrialOf& of) { return std::string(standingOf(of.participant)); }},
-      {{"excluded_for", "", "Why the participant is left out by the experimenter.", ""},
+      {{"excluded_for", "", "Reason of the exclusion.", ""},
        [](const TrialOf& of) { return of.participant.excluded_for; }},
       {{"block", "", "Name of the block.", ""}, [](const TrialOf& of) { return of.trial.block_name; }},
-      {{"block_position", "block_position", "The block's place in this participant's order: 1 is the first.", ""},
+      {{"block_position", "block_position", "Position of the block in the participant's order, from 1.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.trial.position + 1); }},
-      {{"trial", "trial", "The trial's place in its block: 1 is the first.", ""},
+      {{"trial", "trial", "Position of the trial in its block, from 1.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.trial.index + 1); }},
-      {{"attempt", "attempt", "1, or more after a trial that was lost or repeated.", ""},
+      {{"attempt", "attempt", "Attempt at the trial, from 1; higher after a lost or repeated trial.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.trial.attempt + 1); }},
       {{"kind",
         "trial_type",
-        "What the trial is for.",
+        "Purpose of the trial.",
         "",
-        {{"practice", "before the others; counts for nothing"},
-         {"main", "counts for the curve"},
-         {"catch", "an easy one that shows whether the participant attends"}}},
+        {{"practice", "practice; not analysed"}, {"main", "analysed"}, {"catch", "easy trial that checks attention"}}},
        [](const TrialOf& of) { return std::string(wordOf(of.trial.kind)); }},
       {{"state",
         "state",
-        "What became of it; only answered trials count.",
+        "State of the attempt; only answered attempts are analysed.",
         "",
-        {{"begun", "under way, or cut off by a crash"},
-         {"answered", "has its answer"},
-         {"repeated", "done again by the experimenter's wish; the answer, if any, does not count"},
-         {"lost", "ended without an answer and done again"}}},
+        {{"begun", "in progress, or interrupted by a crash"},
+         {"answered", "answered"},
+         {"repeated", "repeated by the experimenter; a response is not analysed"},
+         {"lost", "ended without a response, then repeated"}}},
        [](const TrialOf& of) { return std::string(wordOf(of.trial.state)); }},
       {{"level", "level", "Name of the test stimulus.", ""}, [](const TrialOf& of) { return of.trial.level; }},
       {{"x", "x", "Value of the test stimulus on the block's axis.", ""},
@@ -96,19 +94,17 @@ std::vector<FilledColumn<TrialOf>> answerColumns() {
   return {
       {{"response",
         "response",
-        "The answer, whichever way it was asked.",
+        "Response, independent of the order of the stimuli.",
         "",
-        {{"0", "the test was said to have less than the reference"}, {"1", "the test was said to have more"}}},
+        {{"0", "the test was judged to have less than the reference"}, {"1", "the test was judged to have more"}}},
        ofAnswer([](const TrialAnswer& a) { return a.timed_out || a.teleop ? "" : textOf(a.positive); })},
-      {{"correct", "correct", "Whether that is so.", "", {{"0", "no"}, {"1", "yes"}}},
+      {{"correct", "correct", "Whether the response is correct.", "", {{"0", "no"}, {"1", "yes"}}},
        ofAnswer([](const TrialAnswer& a) { return a.correct ? textOf(*a.correct) : ""; })},
-      {{"response_time_s", "response_time", "From the question to the answer.", "s"},
+      {{"response_time_s", "response_time", "Time from the question to the response.", "s"},
        ofAnswer([](const TrialAnswer& a) { return textOf(a.reaction_s); })},
       {{"timed_out",
         "timed_out",
-        "Whether the time for an answer was over before one came; such a trial is called lost and done again, so that "
-        "it is "
-        "always 0.",
+        "Whether the time limit for a response was exceeded; such an attempt is lost and repeated, so always 0.",
         "",
         {{"0", "no"}, {"1", "yes"}}},
        ofAnswer([](const TrialAnswer& a) { return textOf(a.timed_out); })},
@@ -121,7 +117,7 @@ std::vector<FilledColumn<TrialOf>> workColumns() {
   for (const TeleopColumn& number : teleopColumns()) {
     const std::string full = fmt::format("teleop_{}", number.name);
     columns.push_back(
-        {{full, full, fmt::format("Of work for a robot: {}", number.meaning), std::string(number.unit)},
+        {{full, full, fmt::format("Robot task: {}", number.meaning), std::string(number.unit)},
          ofAnswer([=](const TrialAnswer& a) { return a.teleop ? textOf((*a.teleop).*number.value) : ""; })});
   }
   return columns;
@@ -134,12 +130,12 @@ std::vector<FilledColumn<TrialOf>> intervalColumns() {
     for (const SummaryColumn& number : summaryColumns()) {
       const std::string full = fmt::format("{}_{}", name, number.name);
       columns.push_back(
-          {{full, full, fmt::format("Of the {} stimulus: {}", name, number.meaning), std::string(number.unit)},
+          {{full, full, fmt::format("The {} stimulus: {}", name, number.meaning), std::string(number.unit)},
            ofAnswer([=](const TrialAnswer& a) { return textOf(a.summaries[interval].*number.value); })});
     }
     const std::string full = name + "_deadline_misses";
     columns.push_back(
-        {{full, full, fmt::format("Of the {} stimulus: ticks of the loop that came late.", name), ""},
+        {{full, full, fmt::format("The {} stimulus: late ticks of the loop.", name), ""},
          ofAnswer([=](const TrialAnswer& a) { return fmt::format("{}", a.summaries[interval].deadline_misses); })});
   }
   return columns;
@@ -171,26 +167,24 @@ std::string recordingState(const TrialOf& of) {
 
 std::vector<FilledColumn<TrialOf>> recordColumns() {
   return {
-      {{"seed", "seed", "Drawn for the trial, for scenes that draw something; the beds of one stimulus are all alike.",
-        ""},
+      {{"seed", "seed", "Seed of the trial, for scenes with random parts; all beds of a stimulus are identical.", ""},
        [](const TrialOf& of) { return fmt::format("{}", of.trial.seed); }},
       {{"recording", "recording",
-        "Recordings of the trial: their names before -first.h5 and -second.h5, in the folder of the study's "
-        "recordings.",
-        ""},
+        "Name of the trial's recordings without -first.h5 and -second.h5, in the study's recordings folder.", ""},
        [](const TrialOf& of) { return of.trial.recording; }},
       {{"recording_state",
         "recording_state",
-        "What has become of them.",
+        "State of the recordings.",
         "",
-        {{"whole", "they are there, to their ends"},
-         {"unfinished", "one was cut off when the program was killed; haptolith reads it, other programs may not"},
+        {{"whole", "complete"},
+         {"unfinished", "one was interrupted when the program was killed; haptolith reads it, other programs may not"},
          {"missing", "one is not in the folder"}}},
        recordingState},
-      {{"begun_at", "begun_at", "When it began, UTC.", ""}, [](const TrialOf& of) { return of.trial.begun_at; }},
-      {{"answered_at", "answered_at", "When it was answered, UTC.", ""},
+      {{"begun_at", "begun_at", "Start, UTC.", ""}, [](const TrialOf& of) { return of.trial.begun_at; }},
+      {{"answered_at", "answered_at", "Time of the response, UTC.", ""},
        [](const TrialOf& of) { return of.trial.answered_at; }},
-      {{"reason", "reason", "Why it was repeated or lost.", ""}, [](const TrialOf& of) { return of.trial.reason; }},
+      {{"reason", "reason", "Reason of the repetition or loss.", ""},
+       [](const TrialOf& of) { return of.trial.reason; }},
   };
 }
 
@@ -203,35 +197,33 @@ std::vector<FilledColumn<SessionOf>> sessionColumnsMade() {
       {{"participant", "", "Pseudonym of the participant.", ""}, [](const SessionOf& of) { return of.code; }},
       {{"kind",
         "Kind",
-        "How it came about.",
+        "Kind of session.",
         "",
-        {{"run", "the participant began"},
-         {"resume", "the participant came back"},
-         {"simulate", "the participant was simulated"}}},
+        {{"run", "first session of the participant"},
+         {"resume", "later session"},
+         {"simulate", "simulated participant"}}},
        [](const SessionOf& of) { return of.session.kind; }},
-      {{"begun_at", "BegunAt", "When it began, UTC.", ""}, [](const SessionOf& of) { return of.session.begun_at; }},
-      {{"ended_at", "EndedAt", "When it ended, UTC; missing: under way, or cut off by a crash.", ""},
+      {{"begun_at", "BegunAt", "Start, UTC.", ""}, [](const SessionOf& of) { return of.session.begun_at; }},
+      {{"ended_at", "EndedAt", "End, UTC; missing: in progress, or interrupted by a crash.", ""},
        [](const SessionOf& of) { return of.session.ended_at; }},
       {{"program_version", "SoftwareVersion", "Version of haptolith.", ""},
        [](const SessionOf& of) { return of.session.program_version; }},
       {{"device", "Device", "Driver and model of the haptic device.", ""},
        [](const SessionOf& of) { return of.session.device; }},
-      {{"os", "OperatingSystem", "Operating system of the machine.", ""},
-       [](const SessionOf& of) { return of.session.machine.os; }},
-      {{"kernel", "Kernel", "Its kernel.", ""}, [](const SessionOf& of) { return of.session.machine.kernel; }},
-      {{"cpu", "Processor", "Its processor.", ""}, [](const SessionOf& of) { return of.session.machine.cpu; }},
-      {{"loop_rate_hz", "LoopRate", "Ticks of the haptic loop in a second; missing: there was no loop.", "Hz"},
+      {{"os", "OperatingSystem", "Operating system.", ""}, [](const SessionOf& of) { return of.session.machine.os; }},
+      {{"kernel", "Kernel", "Kernel.", ""}, [](const SessionOf& of) { return of.session.machine.kernel; }},
+      {{"cpu", "Processor", "Processor.", ""}, [](const SessionOf& of) { return of.session.machine.cpu; }},
+      {{"loop_rate_hz", "LoopRate", "Rate of the haptic loop; missing: no loop.", "Hz"},
        [](const SessionOf& of) { return of.session.loop_rate_hz ? textOf(*of.session.loop_rate_hz) : ""; }},
-      {{"ticks", "Ticks", "Ticks of the loop in the session.", ""},
+      {{"ticks", "Ticks", "Ticks of the loop.", ""},
        [](const SessionOf& of) { return textOf(of.session.counts, &SessionCounts::ticks); }},
-      {{"missed_ticks", "MissedTicks", "How many of them ended late.", ""},
+      {{"missed_ticks", "MissedTicks", "Ticks that missed their deadline.", ""},
        [](const SessionOf& of) { return textOf(of.session.counts, &SessionCounts::missed_ticks); }},
-      {{"safety_trips", "SafetyTrips", "How often the safety layer let go of the hand.", ""},
+      {{"safety_trips", "SafetyTrips", "Safety trips (force cut-offs).", ""},
        [](const SessionOf& of) { return textOf(of.session.counts, &SessionCounts::safety_trips); }},
       {{"protocol_sha256", "ProtocolSHA256", "SHA-256 of the protocol's text.", ""},
        [](const SessionOf& of) { return of.session.protocol_sha256; }},
-      {{"simulation", "Simulation", "What the participant was simulated with, as JSON; missing: a person took part.",
-        ""},
+      {{"simulation", "Simulation", "Parameters of a simulated participant, as JSON; missing: a person.", ""},
        [](const SessionOf& of) { return of.session.simulation; }},
   };
 }
@@ -267,7 +259,7 @@ std::vector<FilledColumn<PersonOf>> groupColumns(const StudyProtocol& protocol) 
     return {};
   }
   FilledColumn<PersonOf> group{
-      {"group", "group", "The group that the participant was assigned to; missing: none yet.", ""},
+      {"group", "group", "Group of the participant; missing: not assigned yet.", ""},
       [](const PersonOf& of) { return of.participant.assignment ? of.participant.assignment->group : ""; }};
   for (const ParticipantGroup& of : protocol.groups) {
     std::vector<std::string_view> blocks;
@@ -279,11 +271,11 @@ std::vector<FilledColumn<PersonOf>> groupColumns(const StudyProtocol& protocol) 
   if (protocol.assignment.strata.empty()) {
     return {group};
   }
-  return {group,
-          {{"stratum", "stratum", "The stratum within which the participant was assigned; missing: not yet.", ""},
-           [](const PersonOf& of) {
-             return of.participant.assignment ? stratumText(of.protocol, of.participant.assignment->stratum) : "";
-           }}};
+  return {
+      group,
+      {{"stratum", "stratum", "Stratum of the participant; missing: not assigned yet.", ""}, [](const PersonOf& of) {
+         return of.participant.assignment ? stratumText(of.protocol, of.participant.assignment->stratum) : "";
+       }}};
 }
 
 std::span<const ExportColumn> trialColumns() {

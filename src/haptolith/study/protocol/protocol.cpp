@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr FileKind kProtocol{
-    .name = "protocol", .example_key = "title", .document = "docs/how-to/studies.md", .left_out = "left out"};
+    .name = "protocol", .example_key = "title", .document = "docs/reference/protocol-keys.md", .left_out = "left out"};
 
 /// What is said of trials that there are none of is a mistake that nobody would see.
 void requireCriteria(const StudyBlock& block) {
@@ -315,7 +315,7 @@ ProtocolText findProtocol(std::string_view name_or_file) {
   if (!fs::is_regular_file(path, ignored)) {
     throw InvalidParameter(
         "protocol", fmt::format("'{}'", name_or_file),
-        fmt::format("{}, or a protocol file (docs/how-to/studies.md)", fmt::join(protocolNames(), ", ")));
+        fmt::format("{}, or a protocol file (docs/reference/protocol-keys.md)", fmt::join(protocolNames(), ", ")));
   }
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};

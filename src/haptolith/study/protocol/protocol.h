@@ -131,7 +131,7 @@ struct StudyProtocol {
   std::vector<std::string> authors = {};
 };
 
-/// Reads a protocol; docs/how-to/studies.md lists every key.
+/// Reads a protocol; docs/reference/protocol-keys.md and protocol-tables.md list every key.
 /// @throws InvalidParameter for an unknown key, a wrong type or a value that is not valid, with file, line, key, value
 /// and what would be valid; Failure when the file cannot be read.
 [[nodiscard]] StudyProtocol loadProtocol(const std::filesystem::path& path);

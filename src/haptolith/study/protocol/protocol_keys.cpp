@@ -32,13 +32,13 @@ constexpr Range kVisualDelay_s{0, 5};  // so many pictures a page can hold back
 
 constexpr std::array kSceneNumbers{
     SceneNumber{"soil_depth_mm", "depth of the soil (mm)", kMillimetres.in_si, &SceneChange::soil_depth_m,
-                BedRanges::length_m, "Height of the soil, of a bed that starts `packed` or `settled`."},
+                BedRanges::length_m, "Height of the soil in a bed that starts `packed` or `settled`."},
     SceneNumber{"stone_size_mm", "size of the stone (mm)", kMillimetres.in_si, &SceneChange::stone_size_m, kStoneSize_m,
-                "Size of each [[stone]] of the scene."},
+                "Size of each `[[stone]]` of the scene."},
     SceneNumber{"stone_depth_mm", "depth of the stone (mm)", kMillimetres.in_si, &SceneChange::stone_depth_m,
-                StonesRanges::depth_m, "How deep the middle of each [[stone]] lies below the surface."},
+                StonesRanges::depth_m, "Depth of the centre of each `[[stone]]` below the surface."},
     SceneNumber{"gravity_m_s2", "gravity (m/s²)", 1, &SceneChange::gravity_m_s2, BedRanges::gravity_m_s2,
-                "Gravity by its number."},
+                "Gravity as a number."},
 };
 
 constexpr std::array kOrderWords{
@@ -156,49 +156,38 @@ std::vector<ProtocolKey> allProtocolKeys() {
   const auto protocol = memberKeys<D>("", &D::protocol);
   const auto assignment = memberKeys<D>("assignment", &D::protocol, &StudyProtocol::assignment);
   return {
-      protocol.text("title", &StudyProtocol::title, "What the study is about, in a line; participants see it."),
-      protocol.text("consent", &StudyProtocol::consent,
-                    "What a participant agrees to before anything else; paragraphs are split by blank lines. Left out: "
-                    "no such page.",
-                    TextSize::kPage),
-      protocol.text(
-          "consent_version", &StudyProtocol::consent_version,
-          "What you call this consent text (a date, a number); it is kept with each consent. Left out: its SHA-256."),
-      protocol.text("language", &StudyProtocol::language, "Language of the texts, as BCP 47 has it; left out: `en`."),
+      protocol.text("title", &StudyProtocol::title, "Title of the study, shown to participants."),
+      protocol.text("consent", &StudyProtocol::consent, "Consent text. Default: no such page.", TextSize::kPage),
+      protocol.text("consent_version", &StudyProtocol::consent_version,
+                    "Version of the consent text, stored with each consent. Default: its SHA-256."),
+      protocol.text("language", &StudyProtocol::language, "Language of the texts (BCP 47). Default: `en`."),
       {"", "authors", "",
        ProtocolKey::ItemsValue{
            "texts", [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.authors = textsOf(items); }},
-       "Whose study it is, for BIDS exports: a text for each person."},
-      protocol.text("instructions", &StudyProtocol::instructions, "What is read before the first block.",
-                    TextSize::kPage),
-      protocol.text("thanks", &StudyProtocol::thanks, "What is read at the end.", TextSize::kPage),
+       "Authors of the data set, for BIDS."},
+      protocol.text("instructions", &StudyProtocol::instructions, "Text before the first block.", TextSize::kPage),
+      protocol.text("thanks", &StudyProtocol::thanks, "Text at the end.", TextSize::kPage),
       {"", "scene", "",
        ProtocolKey::PathValue{[](D& d, const std::filesystem::path& v) { d.scene_file = v; }, kOnlyRead},
-       "A scene file (scenes.md), beside the protocol, or the name of a built-in scene; left out: the paper's "
-       "scene."},
+       "Scene file next to the protocol, or a built-in scene. Default: the paper's scene."},
       protocol.word("order", &StudyProtocol::order, kOrderWords,
-                    "In what order a participant comes to the blocks: as they stand, balanced over participants, or "
-                    "drawn for each; left out: `fixed`."),
-      protocol.onOrOff("record", &StudyProtocol::record,
-                       "Whether each trial goes into a recording of its own (recording.md); left out: true."),
+                    "Order of the blocks: as listed, balanced over participants, or randomised. Default: `fixed`."),
+      protocol.onOrOff("record", &StudyProtocol::record, "Whether trials are recorded. Default: true."),
       {"", "questionnaire", "",
        ProtocolKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
-       "A questionnaire after the last block, before the items of `[[item]]`."},
+       "Questionnaire after the last block, before `[[item]]`."},
       protocol.count("participants", &StudyProtocol::planned_participants, {1, 10'000},
-                     "How many participants shall finish: the stopping rule, which `study status` and the "
-                     "preregistration tell. Left out: no rule."),
+                     "Number of finished participants to reach (stopping rule). Default: none."),
       assignment.word("method", &GroupAssignment::method, kAssignmentWords,
-                      "Who comes into which group: in turn, in permuted blocks (as many of each group as its share, in "
-                      "an order that is drawn), or in permuted blocks within each stratum; left out: `random`."),
-      assignment.count(
-          "block_size", &GroupAssignment::block_size, {2, 1000},
-          "How many participants a permuted block has: a multiple of the sum of all shares; left out: twice that sum."),
+                      "Alternating, permuted blocks, or permuted blocks within each stratum. Default: `random`."),
+      assignment.count("block_size", &GroupAssignment::block_size, {2, 1000},
+                       "Participants per permuted block: a multiple of the sum of weights. Default: twice that sum."),
       {"assignment", "strata", "",
        ProtocolKey::ItemsValue{
            "keys of [[demographics]] items",
            [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.assignment.strata = textsOf(items); }},
-       "Whose answers make the strata, for `stratified`: items of the kinds `choice` and `yes-no`, and numbers and "
-       "scales with `cut_points`, that are `required` and not `personal`."},
+       "Items for `stratified`: `choice`, `yes-no`, or `number` and `scale` with `cut_points`; `required`, not "
+       "`personal`."},
   };
 }
 
@@ -208,14 +197,13 @@ std::vector<GroupKey> allGroupKeys() {
   return {
       {"", "name", "",
        GroupKey::TextValue{[](D& d, std::string_view v) { d.group.name = nameOf("name", v, ""); }, kOnlyRead},
-       "What tables call the group: letters and digits. Neither participants nor their pages are told it."},
+       "Name in tables: letters and digits. Not shown to participants."},
       {"", "blocks", "",
        GroupKey::ItemsValue{"names of blocks",
                             [](D& d, const std::vector<TextOrNumber>& items) { d.blocks = textsOf(items); }},
-       "The blocks that the group goes through, with `order = \"fixed\"` in this order; left out: all of them."},
+       "Blocks of the group, in this order with `order = \"fixed\"`. Default: all."},
       group.count("share", &ParticipantGroup::share, {1, 100},
-                  "Its part of the participants, over the sum of all shares: 2 and 1 are two thirds and one third. "
-                  "Left out: 1."),
+                  "Weight of the group: 2 and 1 give two thirds and one third. Default: 1."),
   };
 }
 
@@ -226,41 +214,37 @@ std::vector<BlockKey> designKeys() {
   return {
       {"", "name", "",
        BlockKey::TextValue{[](D& d, std::string_view v) { d.block.name = nameOf("name", v, ""); }, kOnlyRead},
-       "What files and tables call the block: letters and digits."},
-      block.text("title", &StudyBlock::title, "What participants see above it; left out: nothing."),
-      block.text("instructions", &StudyBlock::instructions, "What is read before its first trial.", TextSize::kPage),
+       "Name in files and tables: letters and digits."},
+      block.text("title", &StudyBlock::title, "Title shown to participants. Default: none."),
+      block.text("instructions", &StudyBlock::instructions, "Text before the first trial.", TextSize::kPage),
       block.text("hypothesis", &StudyBlock::hypothesis,
-                 "What is expected of the block, for the preregistration; nobody sees it while the study runs. Left "
-                 "out: none.",
-                 TextSize::kPage),
-      block.text("question", &StudyBlock::question, "What is asked after the two stimuli.", TextSize::kPage),
+                 "Hypothesis for the preregistration, never shown. Default: none.", TextSize::kPage),
+      block.text("question", &StudyBlock::question, "Question after the two stimuli.", TextSize::kPage),
       {"", "answers", "", BlockKey::ItemsValue{"two different texts", setAnswers},
-       "The two answers, left and right: first \"the second had less\", then \"the second had more\"; with "
-       "`two-interval` the first and the second stimulus."},
+       "Left, then right: \"the second had less\", \"the second had more\"; with `two-interval`: first, second "
+       "stimulus."},
       {"", "varies", "", BlockKey::WordValue{variedThings(), [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
-       "What differs between test and reference: the soil as a preset or by name, the celestial body, or one number of "
-       "the scene (`[block.scene]` has them). `friction_coefficient` is the tangent of the friction angle, of which "
-       "the paper's Weber fraction is one: 0.29 of it is 0.18 of an angle of 40°."},
+       "Difference between test and reference: preset, body, named soil, or a number of the scene. "
+       "`friction_coefficient` is the tangent of the friction angle."},
       {"", "reference", "", BlockKey::ItemsValue{"a name, or a number", [](D& d, const auto& v) { d.reference = v; }},
-       "What each test is compared with."},
+       "Reference stimulus."},
       {"", "levels", "",
        BlockKey::ItemsValue{"names, or numbers, at least two", [](D& d, const auto& v) { d.levels = v; }},
-       "What is compared with the reference, in any order; two at least."},
+       "Test stimuli, in any order."},
       {"", "values", "", BlockKey::ItemsValue{"a number for each level", [](D& d, const auto& v) { d.values = v; }},
-       "Where the levels lie on the axis, in the same order; needed for soils by name. Left out: a preset's "
-       "coefficient of friction (paper, Table II), a body's gravity, a number itself."},
+       "Axis values of `levels`; required for named soils. Default: friction coefficient of a preset (Table II), "
+       "gravity of a body, or the number."},
       draft.number("reference_value", &D::reference_value, kAnyNumber,
-                   "Where the reference lies on the axis; needed with `values`."),
+                   "Axis value of the reference; required with `values`."),
       block.text("axis_label", &StudyBlock::axis_label,
-                 "What the axis shows, with its unit; left out: the name of what varies. Needed for soils by name."),
-      block.onOrOff("log_axis", &StudyBlock::log_axis, "Whether curves are drawn over the logarithm; left out: false."),
+                 "Axis label with unit; required for named soils. Default: name of the variable."),
+      block.onOrOff("log_axis", &StudyBlock::log_axis, "Whether curves have a logarithmic axis. Default: false."),
       block.word("task", &StudyBlock::task, kTaskWords,
-                 "What comes first and what is asked: reference, then test; the same question with the order drawn; or "
-                 "which of the two. Left out: `reference-first`, the paper's."),
+                 "Reference, then test; the same question in randomised order; or which of the two. Default: "
+                 "`reference-first`."),
       block.word("procedure", &StudyBlock::procedure, kProcedureWords,
-                 "What chooses the levels: a list made beforehand, or the answers so far; left out: `constant`."),
-      block.count("repeats", &StudyBlock::repeats, {1, 1000},
-                  "How often each level is shown; for `constant`. Left out: 3."),
+                 "Selection of levels: a fixed list, or adaptive. Default: `constant`."),
+      block.count("repeats", &StudyBlock::repeats, {1, 1000}, "Trials per level, for `constant`. Default: 3."),
   };
 }
 
@@ -269,47 +253,41 @@ std::vector<BlockKey> courseKeys() {
   const auto block = memberKeys<D>("", &D::block);
   return {
       block.count("practice_trials", &StudyBlock::practice_trials, kTrials,
-                  "Trials before the others, which count for nothing."),
+                  "Practice trials per round, excluded from fits."),
       {"", "practice_levels", "",
        BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.practice_levels = v; }},
-       "What practice shows, each equally often, to one: levels, or others that are easier. Left out: the levels."},
-      block.number(
-          "practice_criterion", &StudyBlock::practice_criterion, kShare,
-          "Share of right answers in a round of practice that ends practice; otherwise another round comes, up to "
-          "`practice_rounds`. A participant who never reaches it goes on, and is reported. Left out: 0."),
+       "Practice stimuli, equally often (± 1), also easier ones. Default: `levels`."},
+      block.number("practice_criterion", &StudyBlock::practice_criterion, kShare,
+                   "Fraction correct that ends practice; otherwise another round follows. Below it after all rounds: "
+                   "reported. Default: 0."),
       block.count("practice_rounds", &StudyBlock::practice_rounds, {1, 20},
-                  "Rounds of `practice_trials` trials at most; left out: 1."),
+                  "Maximum number of practice rounds. Default: 1."),
       block.count("catch_trials", &StudyBlock::catch_trials, kTrials,
-                  "Easy trials among the others: they show whether a participant attends."),
+                  "Easy trials among the others, to check attention."),
       {"", "catch_levels", "",
        BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.catch_levels = v; }},
-       "What catch trials show, each equally often, in random order: levels, or others that are easier still. Left "
-       "out: the level farthest from the reference."},
+       "Catch stimuli, equally often, randomised, also easier ones. Default: level farthest from the reference."},
       block.number("catch_criterion", &StudyBlock::catch_criterion, kShare,
-                   "Share of right answers in catch trials below which a participant is reported; left out: 0."),
+                   "Fraction correct in catch trials below which a participant is reported. Default: 0."),
       block.onOrOff("feedback", &StudyBlock::feedback,
-                    "Whether a participant is told that an answer was right; left out: false."),
-      block.onOrOff("practice_feedback", &StudyBlock::practice_feedback,
-                    "The same in practice trials; left out: true."),
-      block.onOrOff("visual", &StudyBlock::visual,
-                    "Whether the scene is seen while it is felt; false for haptics alone. Left out: true."),
+                    "Whether participants see if a response was correct. Default: false."),
+      block.onOrOff("practice_feedback", &StudyBlock::practice_feedback, "Feedback in practice. Default: true."),
+      block.onOrOff("visual", &StudyBlock::visual, "Whether the scene is visible during a stimulus. Default: true."),
       block.number("visual_delay_s", &StudyBlock::visual_delay_s, kVisualDelay_s,
-                   "How much later than the force its picture is seen; left out: 0. Until then the picture shows the "
-                   "soil as it was before."),
+                   "Delay of the view after the force; earlier frames are shown until then. Default: 0."),
       block.number("interval_s", &StudyBlock::interval_s, kSeconds,
-                   "Longest time with one stimulus; 0: until the participant goes on."),
+                   "Time limit per stimulus; 0: until the participant continues."),
       block.number("between_intervals_s", &StudyBlock::between_intervals_s, kSeconds,
-                   "From the end of the first stimulus to the beginning of the second; left out: 0.25, which is long "
-                   "enough for any change of soil."),
+                   "Pause between the two stimuli. Default: 0.25, enough for any change of soil."),
       block.number("between_trials_s", &StudyBlock::between_trials_s, kSeconds,
-                   "From the answer, or the end of its feedback, to the next first stimulus; left out: 0.25."),
-      block.number("answer_limit_s", &StudyBlock::answer_limit_s, kSeconds, "Longest time for an answer; 0: none."),
+                   "Pause between trials, after feedback. Default: 0.25."),
+      block.number("answer_limit_s", &StudyBlock::answer_limit_s, kSeconds, "Time limit for a response; 0: none."),
       block.count("break_every_trials", &StudyBlock::break_every_trials, kTrials,
-                  "After how many trials a break comes; 0: no breaks."),
-      block.number("break_s", &StudyBlock::break_s, kSeconds, "Shortest length of a break."),
+                  "Trials between breaks; 0: no breaks."),
+      block.number("break_s", &StudyBlock::break_s, kSeconds, "Minimum duration of a break."),
       {"", "questionnaire", "",
        BlockKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
-       "A questionnaire after the block, before the items of `[[block.item]]`."},
+       "Questionnaire after the block, before `[[block.item]]`."},
   };
 }
 
@@ -320,45 +298,43 @@ std::vector<BlockKey> procedureKeys() {
   const auto quest_plus = memberKeys<D>("quest_plus", &D::block, &StudyBlock::quest_plus);
   return {
       staircase.word("target", &StaircaseOptions::target, kTargetWords,
-                     "The least difference that is noticed, by a staircase on each side of the reference, or the level "
-                     "that feels like the reference; left out: `difference`."),
-      staircase.count("staircases", &StaircaseOptions::staircases, kFew,
-                      "How many take turns, with `difference` on each side of the reference; with `equality` every "
-                      "second one begins at the other end. Left out: 1."),
+                     "Smallest noticeable difference (a staircase on each side of the reference), or point of "
+                     "equality. Default: `difference`."),
+      staircase.count(
+          "staircases", &StaircaseOptions::staircases, kFew,
+          "Interleaved staircases, per side with `difference`; with `equality` at alternate ends. Default: 1."),
       staircase.count("down", &StaircaseOptions::down, kFew,
-                      "Right answers in a row that lead a step on; left out: 2."),
-      staircase.count("up", &StaircaseOptions::up, kFew, "Wrong answers in a row that lead a step back; left out: 1."),
+                      "Correct responses in a row before a harder step. Default: 2."),
+      staircase.count("up", &StaircaseOptions::up, kFew, "Wrong responses in a row before an easier step. Default: 1."),
       staircase.number("start", &StaircaseOptions::start, kAnyNumber,
-                       "With `equality`, where on the axis it begins; left out: at the last level."),
+                       "Axis value at the start, for `equality`. Default: last level."),
       staircase.count("first_step", &StaircaseOptions::first_step, {1, 100},
-                      "Levels at a time until the first reversal; left out: 2."),
-      staircase.count("step", &StaircaseOptions::step, {1, 100}, "Levels at a time after it; left out: 1."),
+                      "Step in levels until the first reversal. Default: 2."),
+      staircase.count("step", &StaircaseOptions::step, {1, 100}, "Step in levels after it. Default: 1."),
       staircase.count("reversals", &StaircaseOptions::reversals, {1, 100},
-                      "Reversals that end a staircase; left out: 8."),
+                      "Reversals that end a staircase. Default: 8."),
       staircase.count("uncounted_reversals", &StaircaseOptions::uncounted_reversals, {0, 99},
-                      "How many of them, the first, do not count for the result; left out: 2."),
+                      "First reversals, which the result leaves out. Default: 2."),
       staircase.count("most_trials", &StaircaseOptions::most_trials, {1, 1000},
-                      "Trials that end the procedure in any case; left out: 80."),
+                      "Maximum number of trials. Default: 80."),
       {"quest_plus", "sigmoid", "",
        BlockKey::WordValue{namesOf(kSigmoidNames),
                            [](D& d, std::string_view v) { d.block.quest_plus.sigmoid = sigmoidNamed(v); }, kOnlyRead},
-       "Shape of the psychometric function; left out: `weber` (paper 22)."},
+       "Psychometric function. Default: `weber` (paper 22)."},
       {"quest_plus", "design", "", BlockKey::TextValue{setDesign, kOnlyRead},
-       "Its asymptotes: `equal-asymptote` (who does not attend says \"more\" as often as \"less\"), `2afc`, `3afc`, "
-       "... `100afc` (a lower asymptote of one half, one third, ...: the levels lie on one side of the reference), or "
-       "`yesno` (a lower asymptote of its own). Left out: `equal-asymptote`."},
+       "Asymptotes: `equal-asymptote`, `2afc` to `100afc` (levels on one side of the reference), or `yesno`. Default: "
+       "`equal-asymptote`."},
       {"quest_plus", "thresholds", "", ofQuestPlus(&QuestPlusOptions::thresholds),
-       "Thresholds that are thought possible, on the axis; left out: 15 within the levels, about the reference."},
+       "Candidate thresholds on the axis. Default: 15 within the levels, about the reference."},
       {"quest_plus", "widths", "", ofQuestPlus(&QuestPlusOptions::widths),
-       "Widths that are thought possible, with `weber` Weber fractions; left out: 25 that the levels can tell apart."},
+       "Candidate widths; with `weber`, Weber fractions. Default: 25 that the levels can resolve."},
       {"quest_plus", "lapses", "", ofQuestPlus(&QuestPlusOptions::lapses),
-       "Lapse rates that are thought possible; left out: 0, 0.02 and 0.05."},
+       "Candidate lapse rates. Default: 0, 0.02 and 0.05."},
       {"quest_plus", "guesses", "", ofQuestPlus(&QuestPlusOptions::guesses),
-       "Lower asymptotes that are thought possible, for `yesno`; left out: 0, 0.02 and 0.05."},
-      quest_plus.count("trials", &QuestPlusOptions::trials, {1, 1000}, "Trials that end the procedure; left out: 30."),
-      quest_plus.number(
-          "enough_spread", &QuestPlusOptions::enough_spread, {0, 10},
-          "Ends it before, once the logarithm of the width is known with this standard deviation; left out: never."),
+       "Candidate guess rates, for `yesno`. Default: 0, 0.02 and 0.05."},
+      quest_plus.count("trials", &QuestPlusOptions::trials, {1, 1000}, "Trials that end the procedure. Default: 30."),
+      quest_plus.number("enough_spread", &QuestPlusOptions::enough_spread, {0, 10},
+                        "SD of ln(width) that ends it earlier. Default: never."),
   };
 }
 
@@ -376,17 +352,17 @@ std::vector<BlockKey> sceneKeys() {
        "Soil of the paper's Table II."},
       {"scene", "soil", "",
        BlockKey::WordValue{builtInSoilNames(), [](D& d, std::string_view v) { d.block.scene.soil = v; }, kOnlyRead},
-       "A soil with a name; not together with a preset."},
+       "Named soil; not together with `preset`."},
       {"scene", "body", "",
        BlockKey::WordValue{namesOf(bodies()), [](D& d, std::string_view v) { d.block.scene.body = v; }, kOnlyRead},
-       "The celestial body."},
+       "Celestial body."},
       {"scene", "friction", "",
        BlockKey::WordValue{namesOf(kFrictionWords),
                            [](D& d, std::string_view v) { d.block.scene.friction = valueOf(kFrictionWords, v); },
                            kOnlyRead},
-       "What friction acts against (scenes.md)."},
+       "Friction model (scenes.md)."},
       sliderKey("friction_angle_deg", {1, 70}, "Friction angle of the soil; for `paper` friction."),
-      sliderKey("cohesion_pa", {0, kNoLimit}, "Its cohesion; for `paper` friction."),
+      sliderKey("cohesion_pa", {0, kNoLimit}, "Cohesion of the soil; for `paper` friction."),
   };
   for (const SoilNumber& number : kSoilNumbers) {
     if (const SoilControl& control = number.control; !control.key.empty()) {
@@ -408,15 +384,11 @@ std::vector<BlockKey> teleopKeys() {
   return {
       teleop.word(
           "task", &TeleopWork::task, kSiteTaskWords,
-          "What is to be done at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the "
-          "soil with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."),
+          "Trench 40 mm deep and 60 mm long; press with 8 N ± 10 % for 0.5 s; or load of 0.1 N lifted for 0.5 s."),
       teleop.word("felt", &TeleopWork::force, kTeleopForceWords,
-                  "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one "
-                  "that learns from what the robot meets and sees."),
-      teleop.number("round_trip_s", &TeleopWork::round_trip_s, kRoundTrip_s,
-                    "Delay to the robot and back; half of it each way."),
-      teleop.text("site", &TeleopWork::site,
-                  "The built-in scene that the robot digs in, level in each trial; left out: `dig-site`."),
+                  "Force at the hand: none, from the block's scene as a static model, or from a learning one."),
+      teleop.number("round_trip_s", &TeleopWork::round_trip_s, kRoundTrip_s, "Round-trip delay, half of it each way."),
+      teleop.text("site", &TeleopWork::site, "Built-in scene of the robot, level in each trial. Default: `dig-site`."),
   };
 }
 
@@ -442,23 +414,22 @@ std::vector<ItemKey> allItemKeys() {
   return {
       {"", "key", "",
        ItemKey::TextValue{[](FormItem& i, std::string_view v) { i.key = nameOf("key", v, "_"); }, kOnlyRead},
-       "What tables call the answer: letters, digits and _."},
-      item.text("label", &FormItem::label, "The question.", TextSize::kPage),
-      item.word("kind", &FormItem::kind, kItemWords, "How it is answered; left out: `text`."),
+       "Name in tables: letters, digits and _."},
+      item.text("label", &FormItem::label, "Question.", TextSize::kPage),
+      item.word("kind", &FormItem::kind, kItemWords, "Type of answer. Default: `text`."),
       {"", "choices", "",
        ItemKey::ItemsValue{"texts, at least two", [](FormItem& i, const auto& v) { i.choices = textsOf(v); }},
-       "What can be chosen; for `choice`."},
-      item.number("low", &FormItem::low, kAnyNumber, "The least a number may be, or the left end of a scale."),
-      item.number("high", &FormItem::high, kAnyNumber, "The most a number may be, or the right end of a scale."),
-      item.text("low_label", &FormItem::low_label, "What the left end of a scale stands for."),
-      item.text("high_label", &FormItem::high_label, "What the right end of a scale stands for."),
+       "Options of a `choice`."},
+      item.number("low", &FormItem::low, kAnyNumber, "Minimum of a number, or left end of a scale."),
+      item.number("high", &FormItem::high, kAnyNumber, "Maximum of a number, or right end of a scale."),
+      item.text("low_label", &FormItem::low_label, "Label of the left end of a scale."),
+      item.text("high_label", &FormItem::high_label, "Label of the right end of a scale."),
       {"", "cut_points", "",
        ItemKey::ItemsValue{"numbers, the least first", [](FormItem& i, const auto& v) { i.cut_points = numbersOf(v); }},
-       "Where a number or scale is cut into strata, for `[assignment] strata`; a cut belongs to the part above it."},
-      item.onOrOff("required", &FormItem::required, "Whether it has to be answered; left out: false."),
+       "Limits between strata; each belongs to the part above."},
+      item.onOrOff("required", &FormItem::required, "Whether an answer is required. Default: false."),
       item.onOrOff("personal", &FormItem::personal,
-                   "Whether the answer could identify the participant: it is kept apart, and exported only when asked "
-                   "for. Left out: false."),
+                   "Whether the answer could identify the participant. Default: false."),
   };
 }
 

@@ -41,7 +41,7 @@ using BlockKey = FileKey<BlockDraft>;
 using ItemKey = FileKey<FormItem>;
 
 /// The keys of a protocol: at its top and in [assignment], in a [[groups]], in a [[block]], and in an item of a form.
-/// docs/how-to/studies.md has each of them.
+/// docs/reference/protocol-keys.md and protocol-tables.md list them.
 [[nodiscard]] std::span<const ProtocolKey> protocolKeys();
 [[nodiscard]] std::span<const GroupKey> groupKeys();
 [[nodiscard]] std::span<const BlockKey> blockKeys();

@@ -23,7 +23,7 @@ namespace haptolith {
 /// What an adaptive block tells of one participant: medians and 95 % intervals of a posterior. With QUEST+ it is the
 /// procedure's own, over thresholds that lie closer; with staircases it is that of all their answers with QUEST+'s
 /// defaults, for the mean of the reversals is shifted by coarse levels and by the ends of the ladder
-/// (docs/reference/psychometrics.md has both).
+/// (docs/reports/psychometric-coverage.md has both).
 struct AdaptiveResult {
   int trials = 0;         ///< answers that count
   bool finished = false;  ///< the procedure has ended; otherwise this is so far

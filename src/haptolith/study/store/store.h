@@ -162,7 +162,7 @@ struct RemovalRow {
 
 /// A study in a file: its protocol, who has taken part and what they answered. What a call has written is on the disk
 /// when it returns, and is there after a crash, a kill or a power cut; a call that throws has written nothing, and can
-/// be made again. docs/how-to/studies.md describes the tables. Not for the tick; one thread at a time.
+/// be made again. docs/reference/study-files.md describes the tables. Not for the tick; one thread at a time.
 ///
 /// Every member throws Failure for a disk that is full, a file that is read-only, locked or damaged; the message says
 /// which, and what to do.

@@ -30,7 +30,7 @@ constexpr std::array kStateWords{
 };
 
 constexpr std::array kSummaryColumns{
-    SummaryColumn{"duration_s", "s", "How long the stimulus was summary.", &TrialSummary::duration_s},
+    SummaryColumn{"duration_s", "s", "Duration of the stimulus.", &TrialSummary::duration_s},
     SummaryColumn{"path_m", "m", "Length of the tool's path.", &TrialSummary::path_m},
     SummaryColumn{"peak_speed_m_s", "m/s", "Largest speed of the tool.", &TrialSummary::peak_speed_m_s},
     SummaryColumn{"mean_speed_m_s", "m/s", "Mean speed of the tool.", &TrialSummary::mean_speed_m_s},
@@ -38,30 +38,31 @@ constexpr std::array kSummaryColumns{
     SummaryColumn{"mean_force_n", "N", "Mean force on the hand.", &TrialSummary::mean_force_n},
     SummaryColumn{"force_sd_n", "N", "Standard deviation of the force on the hand.", &TrialSummary::force_sd_n},
     SummaryColumn{"peak_torque_nm", "N m", "Largest torque on the hand.", &TrialSummary::peak_torque_nm},
-    SummaryColumn{"work_j", "J", "Work that the hand did on the soil.", &TrialSummary::work_j},
+    SummaryColumn{"work_j", "J", "Work of the hand on the soil.", &TrialSummary::work_j},
 };
 
 constexpr std::array kTeleopColumns{
-    TeleopColumn{"done", "",
-                 "Whether it was seen to be done at the robot's site: 1, or 0 when the time was over before.",
+    TeleopColumn{"done", "", "Whether the site's sensors reported the task as done: 1, or 0 at the time limit.",
                  &TeleopSummary::done},
-    TeleopColumn{"time_s", "s", "Task time: until it was seen to be done, or the time was over.",
-                 &TeleopSummary::time_s},
-    TeleopColumn{"follows_s", "s", "Of that, until the robot was first heard to follow the hand; missing: never.",
+    TeleopColumn{"time_s", "s", "Task time, or the time limit.", &TeleopSummary::time_s},
+    TeleopColumn{"follows_s", "s", "Time until the robot first followed the hand; missing: never.",
                  &TeleopSummary::follows_s},
     TeleopColumn{"reached", "",
-                 "What was seen to be reached: a trench's depth in m, or the force of a press or a load in N.",
+                 "Depth of the trench in m, or force of the press or load in N, as reported by the site.",
                  &TeleopSummary::reached},
-    TeleopColumn{"force_error", "",
-                 "RMS of force felt less force met at the same command, over RMS of force met, in windows of 0.2 s.",
-                 &TeleopSummary::force_error},
-    TeleopColumn{"met_rms_n", "N", "RMS of the force on the robot's tool, in such windows.", &TeleopSummary::met_rms_n},
-    TeleopColumn{"met_peak_n", "N", "Largest force on the robot's tool, in such windows.", &TeleopSummary::met_peak_n},
-    TeleopColumn{"stops", "", "How often the robot was heard to stop by itself.", &TeleopSummary::stops},
-    TeleopColumn{"friction_angle_deg", "deg", "Friction angle of the soil that the model has learned.",
+    TeleopColumn{
+        "force_error", "",
+        "RMS of displayed minus remote force at the same command, over RMS of remote force, in windows of 0.2 s.",
+        &TeleopSummary::force_error},
+    TeleopColumn{"met_rms_n", "N", "RMS of the force on the robot's tool, in windows of 0.2 s.",
+                 &TeleopSummary::met_rms_n},
+    TeleopColumn{"met_peak_n", "N", "Largest force on the robot's tool, in windows of 0.2 s.",
+                 &TeleopSummary::met_peak_n},
+    TeleopColumn{"stops", "", "Automatic stops of the robot.", &TeleopSummary::stops},
+    TeleopColumn{"friction_angle_deg", "deg", "Friction angle of the soil, as learned.",
                  &TeleopSummary::friction_angle_deg},
-    TeleopColumn{"cohesion_pa", "Pa", "Its cohesion.", &TeleopSummary::cohesion_pa},
-    TeleopColumn{"tool_friction_angle_deg", "deg", "Its friction angle on the tool.",
+    TeleopColumn{"cohesion_pa", "Pa", "Cohesion of the soil, as learned.", &TeleopSummary::cohesion_pa},
+    TeleopColumn{"tool_friction_angle_deg", "deg", "Friction angle on the tool, as learned.",
                  &TeleopSummary::tool_friction_angle_deg},
 };
 

@@ -12,7 +12,7 @@ namespace haptolith {
 
 namespace {
 
-// docs/how-to/studies.md describes the tables.
+// docs/reference/study-files.md describes the tables.
 constexpr std::array kMigrations{
     R"sql(
 CREATE TABLE study (

@@ -12,7 +12,7 @@ namespace haptolith::simulation {
 
 namespace {
 
-/// What a bilateral channel carries each way; in simulated time alone, so that its bytes are its own.
+/// Signal of a bilateral channel in each direction; in simulated time only, so its byte format is internal.
 struct Signal {
   std::uint64_t index = 0;
   std::array<double, 7> values{};  ///< position and orientation, or force and torque
@@ -119,7 +119,7 @@ class BilateralRobot {
   [[nodiscard]] bool follows() const noexcept { return index_to_ > 0; }
   [[nodiscard]] const Movement& tool() const noexcept { return tool_; }
   [[nodiscard]] const Wrench& met() const noexcept { return met_; }
-  /// What the channel carries of it: without the sensor's noise, which would cost energy in the air.
+  /// Part sent over the channel: without the sensor's noise, which would cost energy in the air.
   [[nodiscard]] const Wrench& smooth() const noexcept { return smooth_; }
   [[nodiscard]] const BilateralEnd& end() const noexcept { return end_; }
 

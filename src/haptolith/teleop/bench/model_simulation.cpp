@@ -22,8 +22,8 @@ namespace {
 constexpr std::uint32_t kConnection = 1;
 constexpr double kSurfaceLate_s = 1;  ///< beyond the round trip, until a change of the site is known
 
-/// What updates of a model's soil do to the force that no hand has caused: for a tenth of a second after an update
-/// began a copy of the scene, which is not updated, has its tool moved likewise.
+/// Changes of force caused by updates of the model's soil, not by the hand: for a tenth of a second after an update
+/// began, an unchanged copy of the scene has its tool moved along the same path.
 class UpdateWatch {
  public:
   explicit UpdateWatch(double tick_s) : tick_s_(tick_s) {}
@@ -54,7 +54,7 @@ class UpdateWatch {
       other_.reset();
     }
   }
-  /// A share of all changes is no larger, over what is hardly felt: 0.1 N, or 7 % of the force. 0: none was seen.
+  /// Quantile `share` of all changes, over the detection threshold: 0.1 N, or 7 % of the force. 0: no change.
   [[nodiscard]] double change(double share) const {
     std::vector<double> sorted = changes_;
     std::ranges::sort(sorted);
@@ -77,7 +77,7 @@ class UpdateWatch {
   double pushed_j_ = 0, most_pushed_j_ = 0;
 };
 
-/// A hand that feels a bed of its own.
+/// A hand in a local bed.
 class ModelOperator {
  public:
   explicit ModelOperator(const TeleopSetup& setup)
@@ -123,7 +123,7 @@ class ModelOperator {
   }
   [[nodiscard]] const Site& site() const noexcept { return site_; }
   [[nodiscard]] OperatorHand& hand() noexcept { return hand_; }
-  /// Of its soil over the surface that it began with.
+  /// Heights of its soil over the initial surface.
   [[nodiscard]] std::vector<double> heights(const HeightGrid& grid) const { return site_.heights(grid); }
   [[nodiscard]] bool inAir() const noexcept { return unlimited_.force_n.norm() < kInSoil_n; }
   [[nodiscard]] const UpdateWatch& watch() const noexcept { return watch_; }
@@ -252,7 +252,7 @@ class ModelSimulation {
       enter((robot_.tool().pose.position_m - log_.toolAt(robot_.index())).norm(), site_.scene.soilWrench(), result_);
     }
     if (robot_tick_++ % course_.period() == 0) {
-      // Reports of one command would stand one upon the other: a robot that waits has nothing new to tell.
+      // A waiting robot has no new report: reports of one command would coincide.
       const RobotReport report = robot_.report();
       if (state_.reports.empty() || report.index > state_.reports.back().index) {
         state_.reports = reports_.add(report);

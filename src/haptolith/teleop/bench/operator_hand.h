@@ -20,7 +20,7 @@ inline HandParameters handAbove(const SceneFile& scene_file, double surface_m) {
   return hand;
 }
 
-/// What moves the tool in a simulation: the hand of the scene, until it lets go, or one with a task. Inside this folder
+/// Mover of the tool in a simulation: the hand of the scene, until it releases, or one with a task. Inside this folder
 /// alone.
 class OperatorHand final : public HapticDevice {
  public:
@@ -59,7 +59,7 @@ class OperatorHand final : public HapticDevice {
   }
   void releaseForce() noexcept override { scene_hand_.releaseForce(); }
   void resumeForce() noexcept override { scene_hand_.resumeForce(); }
-  /// Whether somebody has the tool.
+  /// Whether a hand holds the tool.
   [[nodiscard]] bool holds() const noexcept { return task_ || !task_hand_; }
   [[nodiscard]] bool hasTask() const noexcept { return task_.has_value(); }
   /// Before a tick, where it has a task; the tool is where it was last said to have come to.

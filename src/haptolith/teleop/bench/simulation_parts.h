@@ -10,7 +10,7 @@
 
 namespace haptolith::simulation {
 
-// What simulations of teleoperation have in common, whatever the hand feels. Inside this folder alone.
+// Common parts of simulations of teleoperation with any feedback. Inside this folder alone.
 
 inline constexpr double kInSoil_n = 0.2;  // more than this on the tool, and it is not in the air
 inline constexpr std::uint64_t kLookEvery = 250;
@@ -34,7 +34,7 @@ struct Site {
   double surface_m;
 };
 
-/// What the hand has been given by the forces that it was shown, each until the next.
+/// Energy given to the hand by the displayed forces, each held until the next.
 class EnergyGiven {
  public:
   void tick(const Pose& hand, const Wrench& shown) noexcept {
@@ -56,7 +56,7 @@ class EnergyGiven {
   double given_j_ = 0, most_j_ = 0;
 };
 
-/// Where the operator had the tool in the last half minute, and what was felt.
+/// The operator's tool poses in the last half minute, and the displayed forces.
 class OperatorLog {
  public:
   /// @param unlimited  what the hand would feel of a device without limits.
@@ -124,7 +124,7 @@ class Course {
   [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_; }
   [[nodiscard]] std::uint64_t period() const noexcept { return period_; }
   [[nodiscard]] double time(std::uint64_t tick) const noexcept { return static_cast<double>(tick) * tick_s_; }
-  /// @throws Failure when nobody wants the run any more.
+  /// @throws Failure when the run is no longer needed.
   void look(std::uint64_t tick) const {
     if (progress_ && tick % kLookEvery == 0 && !progress_(static_cast<double>(tick) / static_cast<double>(ticks_))) {
       throw Failure("interrupted");

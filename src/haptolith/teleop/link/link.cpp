@@ -13,7 +13,7 @@ namespace {
 constexpr double kBitsPerByte = 8;
 constexpr std::size_t kBytesBeside = 100;  // a packet's own
 
-/// Pareto's distribution of index 3, from the standard deviate of a normal one that stands at the same rank; shifted
+/// Pareto's distribution of index 3, from a standard normal deviate of the same rank; shifted
 /// and scaled to mean 0 and standard deviation 1.
 double paretoDeviate(double normal) noexcept {
   constexpr double kIndex = 3;
@@ -33,8 +33,8 @@ void Link::send(double time_s, Packet packet) {
   now_s_ = std::max(now_s_, time_s);
   ++counts_.sent;
   ++number_;
-  // What chance decides is decided first, for every packet: neither an outage nor the rate changes what it decides
-  // later.
+  // Random numbers are drawn first, for every packet: neither an outage nor the rate changes later
+  // draws.
   const bool lost = isLost();
   const bool twice = happens(parameters_.duplicate);
   const double jitter_s = jitter();
@@ -107,7 +107,7 @@ double Link::uniform() noexcept {
 }
 
 double Link::normal() noexcept {
-  return boost::math::quantile(boost::math::normal(), std::max(uniform(), 0x1p-54));  // of 0 there is none
+  return boost::math::quantile(boost::math::normal(), std::max(uniform(), 0x1p-54));  // the quantile of 0 is infinite
 }
 
 bool Link::isCutOff(double time_s) const noexcept {

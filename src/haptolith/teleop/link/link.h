@@ -13,7 +13,7 @@ namespace haptolith {
 
 using Packet = std::vector<std::uint8_t>;
 
-/// What became of the packets.
+/// Counts of packets by result.
 struct LinkCounts {
   std::uint64_t sent = 0, arrived = 0;
   std::uint64_t lost = 0;        ///< by chance
@@ -28,9 +28,9 @@ struct LinkCounts {
   [[nodiscard]] bool operator==(const LinkCounts&) const = default;
 };
 
-/// One direction of a link, in time that the caller tells: seconds of delay take no time to compute. A packet waits for
-/// those before it to be sent at the link's rate, may be lost, and arrives a delay later. The same calls give the same
-/// bits, with the same C library. Allocates; not for the tick.
+/// One direction of a link, in the caller's time: seconds of delay take no time to compute. A packet waits for
+/// those before it to be sent at the link's rate, may be lost, and arrives a delay later. Equal calls give equal
+/// bits, with one C library. Allocates; not for the tick.
 class Link {
  public:
   /// @throws InvalidParameter as validate().
@@ -49,7 +49,7 @@ class Link {
   [[nodiscard]] std::optional<double> nextArrival() const noexcept;
 
   [[nodiscard]] const LinkCounts& counts() const noexcept { return counts_; }
-  /// That packets on their way hold, some 100 bytes for each beside its own.
+  /// Memory of packets under way, about 100 bytes for each in addition to its own.
   [[nodiscard]] std::size_t bytesOnTheWay() const noexcept { return bytes_on_the_way_; }
   [[nodiscard]] const LinkParameters& parameters() const noexcept { return parameters_; }
 
@@ -59,7 +59,7 @@ class Link {
     std::uint64_t number;  ///< in the order of sending; of a duplicate the same
     Packet packet;
   };
-  /// Of two packets that arrive together the one that was sent first.
+  /// Orders packets by arrival, and packets that arrive together by sending.
   static bool arrivesLater(const OnItsWay& one, const OnItsWay& other) noexcept;
 
   [[nodiscard]] double uniform() noexcept;

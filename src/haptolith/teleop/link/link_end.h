@@ -13,14 +13,14 @@ struct PacketCounts {
   std::uint64_t malformed = 0;
   std::string first_malformed = {};  ///< why the first was not read
   std::uint64_t forged = 0;          ///< do not prove that their sender knows the key
-  std::uint64_t greetings = 0;       ///< of who does not know this end's nonce yet
+  std::uint64_t greetings = 0;       ///< from senders that do not know this end's nonce yet
   std::uint64_t replayed = 0;        ///< older than another, or of a connection that is over
-  std::uint64_t strangers = 0;       ///< of others, while somebody is heard
+  std::uint64_t strangers = 0;       ///< from other senders during a connection
 
   [[nodiscard]] bool operator==(const PacketCounts&) const = default;
 };
 
-/// How either end of a link is reached, and whom it trusts.
+/// Addresses of either end of a link, and its trusted senders.
 struct EndOptions {
   std::string listen = "127.0.0.1:7410";
   std::string key;        ///< 64 hexadecimal digits; empty: packets are not signed

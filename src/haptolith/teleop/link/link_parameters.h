@@ -9,7 +9,7 @@
 
 namespace haptolith {
 
-/// How delays vary about their mean.
+/// Variation of delays about their mean.
 enum class JitterShape {
   kNormal,   ///< jitter_s is the standard deviation
   kUniform,  ///< jitter_s is half the width
@@ -36,12 +36,12 @@ struct LinkParameters {
   std::vector<DelayAt> delays = {};  ///< instead, as it was measured: each until the next, the last for ever
   double jitter_s = 0;
   JitterShape jitter_shape = JitterShape::kNormal;
-  /// Of a packet's jitter with that of the one before. Unlike netem's it leaves the distribution as it is: the deviates
-  /// are z' = rho z + sqrt(1 - rho^2) n, and their ranks are the jitter's.
+  /// Correlation of a packet's jitter with that of the one before. Unlike netem's it preserves the distribution: the
+  /// deviates are z' = rho z + sqrt(1 - rho^2) n, and their ranks are the jitter's.
   double jitter_correlation = 0;
   bool in_order = true;  ///< one path: what is late holds up what comes behind it; else packets overtake each other
 
-  double loss = 0;  ///< share of packets, each by itself; beside bursts
+  double loss = 0;  ///< fraction of packets, independent; in addition to bursts
   /// Bursts of loss: the model of Gilbert (1960, Bell Syst. Tech. J. 39:1253) and Elliott (1963, 42:1977). Before each
   /// packet the link turns bad with one probability and good with the other; while bad it loses this share.
   double turns_bad = 0, turns_good = 1, loss_while_bad = 1;
@@ -74,10 +74,10 @@ struct LinkRanges {
 /// not grow, and for a link that turns bad and never good again.
 void validate(const LinkParameters& link);
 
-/// Reads delays as they were measured: a table (core/files/table.h) with the columns t_s and delay_s, times growing.
-/// Times from 0 to 1e8 s are the link's own; if the first one is none of these (seconds since 1970, a clock's
+/// Reads measured delays: a table (core/files/table.h) with the columns t_s and delay_s, times growing.
+/// Times from 0 to 1e8 s are the link's own; if the first one is outside (seconds since 1970, a clock's
 /// milliseconds or nanoseconds), all count from it.
-/// @throws InvalidParameter, Failure: as Table and TimeColumn; for delays outside LinkRanges, and where there is none.
+/// @throws InvalidParameter, Failure: as Table and TimeColumn; for delays outside LinkRanges, and for an empty table.
 [[nodiscard]] std::vector<DelayAt> readDelays(const std::filesystem::path& path);
 
 }  // namespace haptolith

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMbit = 1e6;
 
-/// Both directions alike but for their seeds, half of the round trip each.
+/// Both directions equal except for their seeds, half of the round trip each.
 LinkProfile alike(std::string name, std::string what, double round_trip_s, LinkParameters direction) {
   direction.delay_s = round_trip_s / 2;
   LinkProfile profile{std::move(name), std::move(what), direction, direction};

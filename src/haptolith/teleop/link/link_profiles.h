@@ -11,7 +11,7 @@ namespace haptolith {
 /// A link in both directions, by its name.
 struct LinkProfile {
   std::string name;     ///< "earth-moon"
-  std::string what;     ///< where it is met, one line
+  std::string what;     ///< its use, one line
   LinkParameters up;    ///< from the operator to the robot
   LinkParameters down;  ///< back
 

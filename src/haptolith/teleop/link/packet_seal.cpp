@@ -25,7 +25,7 @@ PacketSeal::PacketSeal(std::string_view hex) {
   }
   key_.emplace(hex);
   std::random_device random;
-  own_ = key_->nonceFor(std::uint64_t{random()} << 32 | random(), 0);  // of a secret of this run's alone
+  own_ = key_->nonceFor(std::uint64_t{random()} << 32 | random(), 0);  // from a secret of this run
 }
 
 Packet PacketSeal::seal(Packet packet) const {

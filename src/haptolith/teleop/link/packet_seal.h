@@ -10,14 +10,14 @@
 
 namespace haptolith {
 
-/// One end of a conversation in which packets prove who sent them, and that they are of now. With a key that both ends
-/// know, and nobody else, each packet is followed by 32 bytes:
+/// One end of a conversation in which packets prove who sent them, and that they are of now. With a key shared by both
+/// ends only, each packet is followed by 32 bytes:
 ///
 ///     packet || own nonce (16 bytes) || BLAKE2b(key, the other's nonce || packet || own nonce), 16 bytes
 ///
-/// A nonce is drawn at the start of each end, so that what somebody has listened to is of no use in another run. As
-/// long as the other's is not known, 16 zeros stand in for it: such a packet is a greeting, which tells its sender's
-/// nonce and nothing else. Within a run packets are numbered: an older number is not taken again. Without a key nothing
+/// A nonce is drawn at the start of each end, so that intercepted packets are useless in another run. While
+/// the other's is unknown, 16 zeros replace it: such a packet is a greeting, which carries its sender's
+/// nonce only. Within a run packets are numbered: an older number is not taken again. Without a key nothing
 /// follows, and nothing is proved. Packets are not encrypted.
 class PacketSeal {
  public:
@@ -26,13 +26,13 @@ class PacketSeal {
   /// @param hex  as PacketKey's; empty: no key. @throws InvalidParameter as PacketKey.
   explicit PacketSeal(std::string_view hex);
 
-  /// Greets again: the other may have been started anew, with another nonce.
+  /// Greets again: the other may have been restarted, with another nonce.
   void forget() noexcept { other_ = {}; }
   [[nodiscard]] bool hasKey() const noexcept { return key_.has_value(); }
   [[nodiscard]] Packet seal(Packet packet) const;
 
   enum class Proof : std::uint8_t {
-    kFresh,     ///< who sent it knows the key, and this end's nonce
+    kFresh,     ///< its sender knows the key, and this end's nonce
     kGreeting,  ///< knows the key, and may have been kept from another day
     kForged,
   };

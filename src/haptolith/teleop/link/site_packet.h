@@ -12,18 +12,18 @@
 
 namespace haptolith {
 
-/// What the robot sends besides, some 20 times a second over a good link: how high the soil lies in a part of its site,
-/// as it sees it. A robot that sees nothing sends none. One UDP packet of 56 + 2 w h bytes, little-endian:
+/// Map packet of the robot, at about 20 Hz over a good link: heights of the soil in a part of its site,
+/// from its camera. A robot without a camera sends none. One UDP packet of 56 + 2 w h bytes, little-endian:
 ///
 ///     offset  type    what
 ///          0  u8[4]   "HLTM"
 ///          4  u16     version, 1
 ///          6  u16     0
-///          8  u32     connection of its own, as in its StatePackets
+///          8  u32     its own connection, as in its StatePackets
 ///         12  u16     columns of the whole map, along x: 1 to 1024
 ///         14  u16     rows, along y: 1 to 1024; columns times rows: 65536 at most
 ///         16  f32     x of the corner of the map's first cell, m      site frame; within 100 m
-///         20  f32     y likewise
+///         20  f32     y of it
 ///         24  f32     width of a cell, m                              1e-4 to 1
 ///         28  u16     first column that the packet is about
 ///         30  u16     first row
@@ -42,14 +42,14 @@ struct SitePacket {
   static constexpr std::int16_t kNotSeen = -32768;
 
   std::uint32_t robot_connection = 0;
-  HeightGrid grid;  ///< of the whole map
+  HeightGrid grid;  ///< grid of the complete map
   std::size_t column = 0, row = 0, columns = 0, rows = 0;
   std::uint64_t number = 0, index = 0;
   std::vector<std::int16_t> steps = {};
 };
 
-/// Reads a packet from anybody; none when it is malformed: wrong size, magic, version or connection 0, a number that is
-/// NaN, infinite or out of range, a part that is not of the map. Not for the tick.
+/// Reads a packet from any sender; empty when it is malformed: wrong size, magic, version or connection 0, a number
+/// that is NaN, infinite or out of range, a part that is not of the map. Not for the tick.
 [[nodiscard]] std::optional<SitePacket> parseSite(std::span<const std::uint8_t> bytes);
 [[nodiscard]] Packet bytesOf(const SitePacket& packet);
 

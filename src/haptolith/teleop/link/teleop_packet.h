@@ -16,8 +16,8 @@
 
 namespace haptolith {
 
-/// What the operator's program sends, some 50 times a second: where the hand had the tool, with keyframes that earlier
-/// packets had already, for those may be lost. One UDP packet of 32 + 64 n bytes, little-endian:
+/// Command packet of the operator's program, at about 50 Hz: poses of the tool, with keyframes that earlier
+/// packets also had, because those may be lost. One UDP packet of 32 + 64 n bytes, little-endian:
 ///
 ///     offset  type    what
 ///          0  u8[4]   "HLTC"
@@ -45,14 +45,15 @@ struct CommandPacket {
   std::vector<Keyframe> keyframes = {};
 };
 
-/// What the robot sends, likewise: what it has done, and met. One UDP packet of 48 + 72 n bytes, little-endian:
+/// State packet of the robot, at that rate: executed commands and remote force. One UDP packet of 48 + 72 n bytes,
+/// little-endian:
 ///
 ///     offset  type    what
 ///          0  u8[4]   "HLTS"
 ///          4  u16     version, 1
 ///          6  u16     flags: bit 0 at its force cap, 1 at its speed cap, 2 at the edge of its workspace
 ///          8  u32     connection of the operator whose commands it has; 0: none yet
-///         12  u32     connection of its own: drawn at its start, not 0
+///         12  u32     its own connection: drawn at its start, not 0
 ///         16  u64     number of this packet, one more with each
 ///         24  u64     the operator's time in the newest packet that it has had
 ///         32  u64     index of the newest command that it has had
@@ -81,8 +82,9 @@ struct StatePacket {
   std::vector<RobotReport> reports = {};
 };
 
-/// Reads a packet from anybody; none when it is malformed: wrong size, magic, version or connection 0, a number that is
-/// NaN, infinite or out of range, a turn of no unit length, keyframes or reports that do not grow. Not for the tick.
+/// Reads a packet from any sender; empty when it is malformed: wrong size, magic, version or connection 0, a number
+/// that is NaN, infinite or out of range, a turn of no unit length, keyframes or reports that do not grow. Not for the
+/// tick.
 [[nodiscard]] std::optional<CommandPacket> parseCommand(std::span<const std::uint8_t> bytes);
 [[nodiscard]] std::optional<StatePacket> parseState(std::span<const std::uint8_t> bytes);
 
@@ -95,7 +97,7 @@ struct StatePacket {
 [[nodiscard]] Packet bytesOf(const CommandPacket& packet);
 [[nodiscard]] Packet bytesOf(const StatePacket& packet);
 
-/// What is sent again, in case it was lost: of what is told once a period, the newest and some that came before.
+/// Entries sent again in case of loss: of one entry per period the newest and some older ones.
 template <class Key>
 class KeyframeHistory {
  public:
@@ -122,13 +124,13 @@ class KeyframeHistory {
   std::deque<Key> keys_;  ///< newest first
 };
 
-/// Which of a movement: with so many keyframes in steps that double until they are 0.3 s, between which a hand is
+/// Entries of a movement: this number of keyframes in steps that double until they are 0.3 s, between which a hand is
 /// smooth. The 13 keyframes of 20 ms, for example, reach back over 2.4 s: 121, 106, ..., 31, 16, 8, 4, 2, 1, 0.
 [[nodiscard]] std::vector<std::size_t> commandLags(double period_s, std::size_t keyframes);
 /// Which of reports: forces are wanted whole, so 3, 2, 1, 0.
 [[nodiscard]] std::vector<std::size_t> reportLags(std::size_t keyframes);
 
-/// How often to send, and how much, over a link of some rate: 50 times a second, or 10 where that fills four fifths of
+/// Rate and size of packets for a link's rate: 50 Hz, or 10 Hz where that fills four fifths of
 /// it with less than 8 keyframes; pictures of the site take a tenth of it at most.
 struct Sending {
   double period_s = 0.02;

@@ -70,7 +70,7 @@ class UdpPort::Implementation {
     Udp::endpoint from;
     Error error;
     std::size_t bytes = 0;
-    do {  // that nobody listens where the last packet went is told here
+    do {  // an unreachable receiver of the last packet is reported here
       bytes = socket_.receive_from(asio::buffer(buffer_), from, 0, error);
     } while (error == asio::error::connection_refused);
     if (error) {

@@ -13,8 +13,8 @@ namespace haptolith {
 /// A socket for datagrams that never waits. Not for the tick.
 class UdpPort {
  public:
-  /// Listens at HOST:PORT, port 0: any. @param key  how messages call it. @throws InvalidParameter for an address that
-  /// is none; Failure when it cannot listen there.
+  /// Listens at HOST:PORT, port 0: any. @param key  name in messages. @throws InvalidParameter for a malformed
+  /// address; Failure when it cannot listen there.
   UdpPort(const char* key, std::string_view listen);
   ~UdpPort();
 
@@ -24,7 +24,7 @@ class UdpPort {
   };
   /// The next that has come; none: no other has.
   [[nodiscard]] std::optional<Datagram> receive();
-  /// Nobody is told when it gets lost. @throws InvalidParameter for an address that is none.
+  /// Sends without confirmation. @throws InvalidParameter for a malformed address.
   void send(std::string_view to, const Packet& bytes);
 
   [[nodiscard]] std::uint16_t port() const;

@@ -22,8 +22,8 @@ using Clock = std::chrono::steady_clock;
 using Error = boost::system::error_code;
 
 constexpr std::size_t kLargestRelayed = 65536;
-/// On the way in each direction: four minutes of packets of 150 bytes at 1 kHz. Whoever floods the relay takes no more
-/// memory than that.
+/// Limit of packets under way in each direction: four minutes of 150 bytes at 1 kHz. It bounds the memory of a
+/// flood.
 constexpr std::size_t kMostBytesOnTheWay = std::size_t{64} << 20;
 constexpr double kPeerForgottenAfter_s = 10;
 
@@ -64,7 +64,7 @@ class UdpRelay::Implementation {
   void hear(Udp::socket& socket, Buffer& buffer, Take take) {
     socket.async_receive_from(asio::buffer(buffer.bytes), buffer.from,
                               [this, &socket, &buffer, take](Error error, std::size_t bytes) {
-                                // That nobody listens where the last packet went is no reason to end.
+                                // An unreachable receiver of the last packet is no reason to end.
                                 if (error && error != asio::error::connection_refused) {
                                   failed_ = error;
                                   io_.stop();
@@ -132,7 +132,7 @@ class UdpRelay::Implementation {
 
   static void pass(Link& way, Udp::socket& socket, const Udp::endpoint& to, double now_s) {
     while (const std::optional<Link::Arrival> arrival = way.receive(now_s)) {
-      Error lost;  // as a network loses what nobody takes
+      Error lost;  // lost like any undeliverable packet of a network
       socket.send_to(asio::buffer(arrival->packet), to, 0, lost);
     }
   }

@@ -10,17 +10,17 @@
 namespace haptolith {
 
 struct UdpRelayOptions {
-  std::string listen = "127.0.0.1:7400";  ///< where the operator's program sends to: HOST:PORT; port 0: any
-  std::string to;                         ///< where the robot's program listens: HOST:PORT
+  std::string listen = "127.0.0.1:7400";  ///< address for the operator's program: HOST:PORT; port 0: any
+  std::string to;                         ///< address of the robot's program: HOST:PORT
 };
 
-/// A link between two programs that talk by UDP, in real time: what the first sends here comes to the second late, or
-/// not at all, and back. The first is whoever sends first, until it has been silent for ten seconds; nobody else is
-/// heard, but who they are is not proved: packets have to prove that themselves. Datagrams pass unread. Not for the
+/// A link between two programs that talk by UDP, in real time: packets of the first reach the second late or
+/// not at all, and back. The first is the first sender, until it has been silent for ten seconds; other senders are
+/// ignored, but identities are not verified: packets must prove that themselves. Datagrams pass unread. Not for the
 /// tick.
 class UdpRelay {
  public:
-  /// Listens. @throws InvalidParameter for an address that is none, and as Link; Failure when it cannot listen there.
+  /// Listens. @throws InvalidParameter for a malformed address, and as Link; Failure when it cannot listen there.
   UdpRelay(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options);
   ~UdpRelay();
 

@@ -13,7 +13,7 @@ namespace haptolith {
 namespace {
 
 constexpr int kWidth_px = 1200, kPanelHeight_px = 230, kMargins_px = 120;
-// Two of Okabe and Ito's colours, which the colour-blind can tell apart.
+// Two of Okabe and Ito's colours, distinguishable for colour-blind readers.
 constexpr const char* kDisplayed = "#0072b2";
 constexpr const char* kMet = "#d55e00";
 
@@ -25,7 +25,7 @@ double strongestOf(const AgreementPanel& panel) {
   return strongest_n;
 }
 
-/// Where there is room for the key.
+/// Index of the panel with room for the legend.
 std::size_t quietestOf(const std::vector<AgreementPanel>& panels) {
   const auto quietest = std::ranges::min_element(panels, {}, strongestOf);
   return static_cast<std::size_t>(quietest - panels.begin());

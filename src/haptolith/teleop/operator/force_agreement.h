@@ -9,14 +9,14 @@
 
 namespace haptolith {
 
-/// What the hand felt in each tick, as sums, but for the limits of its device: a hand that is shown 12 N at most cannot
-/// say what a model is worth: its mean over any stretch of the last half minute costs two reads. Not for
+/// Sums of the displayed force of each tick, before the limits of the device, because a hand limited to 12 N cannot
+/// judge a model: its mean over any stretch of the last half minute costs two reads. Not for
 /// the tick.
 class DisplayedForceTrack {
  public:
   static constexpr std::uint64_t kTicks = 1U << 15U;
 
-  /// What was felt in tick `index`; one after the other, from 0.
+  /// Adds the force of tick `index`; consecutive, from 0.
   void add(std::uint64_t index, const Vec3& force_n);
   /// Mean over the ticks from + 1 to `to`; none: it is over, not yet, or of no length.
   [[nodiscard]] std::optional<Vec3> mean(std::uint64_t from, std::uint64_t to) const;
@@ -26,14 +26,14 @@ class DisplayedForceTrack {
   std::uint64_t next_ = 0;
 };
 
-/// Force felt beside force met, at the same command.
+/// Displayed and remote force at one command.
 struct AgreementPoint {
-  double time_s = 0;  ///< of the commands, the middle of them
+  double time_s = 0;  ///< central time of the commands
   Vec3 displayed_n, met_n;
 };
 
-/// How well they agree: in windows of a fifth of a second, for grains do not strike alike in any two specimens of one
-/// soil.
+/// Agreement of both: in windows of a fifth of a second, because single impacts of particles differ between
+/// realisations of one soil.
 ///
 ///     share = sqrt(sum |felt - met|^2 / sum |met|^2)         over windows of which at least half is known
 class ForceAgreement {

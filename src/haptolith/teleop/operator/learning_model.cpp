@@ -14,9 +14,9 @@ constexpr std::uint64_t kStepTicks = 20, kLookTicks = 500;
 constexpr std::uint64_t kInAirTicks = 300;  ///< a tool that touches now and then is not in the air
 constexpr double kLeastWay_s = 0.5;
 constexpr double kFasterInAir = 20;
-constexpr double kHardly_n = 1e-6;     ///< of a contact's cohesion
-constexpr double kLeastForce_n = 0.3;  ///< of a stretch that tells anything
-constexpr double kLeastDraft = 0.7;    ///< of a cut's force, the share that pushes the tool back
+constexpr double kHardly_n = 1e-6;     ///< negligible cohesion of a contact
+constexpr double kLeastForce_n = 0.3;  ///< smallest force of an informative stretch
+constexpr double kLeastDraft = 0.7;    ///< fraction of a cut's force that opposes the movement
 
 double mix(double from, double to, double share) {
   return from + share * (to - from);
@@ -82,7 +82,7 @@ void LearningModel::met(const RobotReport& report, const Vec3& displayed_n) {
   window.ticks += report.ticks;
   window.displayed += report.ticks * displayed_n;
   window.met += report.ticks * report.met.force_n;
-  // What is late by more than another stretch is not waited for.
+  // Reports later than another stretch are not waited for.
   while (!windows_.empty() && (windows_.begin()->first + 2) * kStretchTicks <= newest_) {
     close(windows_.begin()->second);
     windows_.erase(windows_.begin());

@@ -14,8 +14,8 @@
 
 namespace haptolith {
 
-/// Whether a model's soil can become like another: not with the paper's friction, which has no strength that digging
-/// tells.
+/// Whether a model's soil can adapt: not with the paper's friction, whose strength cannot be estimated from
+/// digging.
 [[nodiscard]] inline bool canLearn(const SceneFile& model) {
   return model.bed.soil.friction == FrictionModel::kContact;
 }
@@ -42,18 +42,20 @@ class LearningModel {
   /// A report of the robot, and the mean of what was felt over the same commands. In any order, each once.
   void met(const RobotReport& report, const Vec3& displayed_n);
 
-  /// How the model is to change at tick `index`; none: not now. Call it often, with an index that grows.
+  /// Change of the model at tick `index`; empty: none now. Call it often, with a growing index.
   /// @param in_air  whether the hand feels no soil.
   [[nodiscard]] std::optional<SoilAdjustment> at(std::uint64_t index, bool in_air);
-  /// The step that at() has just told could not be made: it comes again.
+  /// The last step of at() could not be made: it is repeated.
   void refused();
 
   [[nodiscard]] const ModelSoil& learned() const noexcept { return learned_; }
-  [[nodiscard]] const SoilState& state() const noexcept { return states_.back().state; }  ///< of the model now
+  [[nodiscard]] const SoilState& state() const noexcept {
+    return states_.back().state;
+  }  ///< current state of the model
   [[nodiscard]] std::uint64_t updates() const noexcept { return updates_; }
 
   static constexpr std::uint64_t kStretchTicks = 400, kLongStrokeTicks = 10000;
-  static constexpr double kChange_s = 0.1;  ///< of ln F in a second, in a long stroke
+  static constexpr double kChange_s = 0.1;  ///< change of ln F in a second, in a long stroke
 
  private:
   struct Window {
@@ -76,7 +78,7 @@ class LearningModel {
   SoilParameters soil_;  ///< as the model began
   SoilAdjustment now_, from_, to_;
   SoilAdjustment before_;     ///< the last step
-  double gone_before_s_ = 0;  ///< likewise
+  double gone_before_s_ = 0;  ///< its elapsed time
   ModelLearner learner_;
   std::deque<StateFrom> states_;
   std::map<std::uint64_t, Window> windows_;  ///< by their number

@@ -12,7 +12,7 @@ namespace {
 constexpr int kMostReportsAtOnce = 1024;
 constexpr double kSilence_s = 1;  // beyond the round trip
 
-/// What is asked for without a word of the port: any, as its address is not told to anybody.
+/// Default without a port: any, because its address is not published.
 EndOptions fromAnywhere(EndOptions options, const std::string& to) {
   options.listen = to.starts_with('[') ? "[::]:0" : "0.0.0.0:0";
   return options;

@@ -16,27 +16,27 @@
 
 namespace haptolith {
 
-/// How the robot fares, as far as the operator knows.
+/// State of the robot as known to the operator.
 struct RobotNews {
   bool heard = false;        ///< in the last second, more than the round trip
   bool ever = false;         ///< at all
-  double round_trip_s = 0;   ///< of the newest packet
-  std::uint64_t behind = 0;  ///< commands between the newest that was sent and the newest that was carried out
+  double round_trip_s = 0;   ///< round trip of the newest packet
+  std::uint64_t behind = 0;  ///< commands between the newest sent and the newest executed one
   StatePacket state;         ///< the newest
   Vec3 displayed_n = Vec3::Zero(), met_n = Vec3::Zero();  ///< in the newest stretch of commands of which both are known
 };
 
-/// Who is told what has come from a robot; functions may be missing.
+/// Listener for data from a robot; functions may be empty.
 struct RobotListener {
   /// Each new report, and the mean of what was felt over the same commands; none: the robot followed none, or they are
   /// too long ago.
   std::function<void(const RobotReport& report, const std::optional<Vec3>& displayed_n)> report = {};
-  /// What it sees of its site, where that is news.
+  /// Receives new parts of its site.
   std::function<void(const SitePacket& seen)> seen = {};
 };
 
-/// An operator's end of a link: tells a robot where the tool is in each tick, and sets what the hand felt, but for its
-/// device's limits, beside what the robot met. Not for the tick: whoever follows the loop calls it.
+/// An operator's end of a link: sends the tool's pose of each tick to a robot, and compares the displayed force, before
+/// the device's limits, with the remote force. Not for the tick: the thread that follows the loop calls it.
 class OperatorEnd {
  public:
   /// @param to         where the robot listens, HOST:PORT.
@@ -44,18 +44,18 @@ class OperatorEnd {
   /// @throws InvalidParameter, Failure: as RobotServer.
   OperatorEnd(const std::string& to, const EndOptions& options, double surface_m, double tick_s);
 
-  /// What the loop has done since the last call: ticks one after the other.
+  /// Takes the loop's ticks since the last call, consecutive.
   void follow(std::span<const TickRecord> ticks);
   /// Takes what has come.
   void receive(const RobotListener& listener = {});
 
   [[nodiscard]] double surface() const noexcept { return surface_m_; }
   [[nodiscard]] const RobotNews& news() const noexcept { return news_; }
-  /// What the robot has shown of its site.
+  /// The received map of the site.
   [[nodiscard]] const SiteMap& site() const noexcept { return site_; }
   [[nodiscard]] const ForceAgreement& agreement() const noexcept { return agreement_; }
   [[nodiscard]] const PacketCounts& counts() const noexcept { return counts_; }
-  /// How many ticks it has followed: the index of the next.
+  /// Number of followed ticks: the index of the next.
   [[nodiscard]] std::uint64_t ticks() const noexcept { return next_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return command_.number; }
 

@@ -9,11 +9,11 @@
 
 namespace haptolith {
 
-/// What an operator knows of a robot's site: the newest of what came about each part, in whatever order packets came.
+/// The operator's map of a robot's site: the newest data of each part, in any order of packets.
 /// Heights are over the site's zero.
 class SiteMap {
  public:
-  /// False when it knows better already. Another robot, or another map, begins anew.
+  /// Returns false when its data are newer. Another robot, or another map, starts again.
   bool take(const SitePacket& packet);
 
   [[nodiscard]] bool empty() const noexcept { return heights_m_.empty(); }
@@ -22,15 +22,15 @@ class SiteMap {
   [[nodiscard]] const std::vector<double>& heights() const noexcept { return heights_m_; }
   /// Command that the robot had come to when it saw each cell.
   [[nodiscard]] const std::vector<std::uint64_t>& commands() const noexcept { return commands_; }
-  /// How many packets it has taken: another number, and it may have changed.
+  /// Number of taken packets: it changes when the map may have changed.
   [[nodiscard]] std::uint64_t taken() const noexcept { return taken_; }
 
  private:
   std::uint32_t robot_session_ = 0;
   HeightGrid grid_;
   std::vector<double> heights_m_;
-  std::vector<bool> known_;             ///< cells of which a packet told, be it that they were not seen
-  std::vector<std::uint64_t> numbers_;  ///< of that packet
+  std::vector<bool> known_;             ///< cells covered by a packet, even if they were not seen
+  std::vector<std::uint64_t> numbers_;  ///< number of that packet
   std::vector<std::uint64_t> commands_;
   std::uint64_t taken_ = 0;
 };

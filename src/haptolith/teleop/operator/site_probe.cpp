@@ -14,7 +14,7 @@ namespace haptolith {
 namespace {
 
 constexpr std::uint32_t kProbeConnection = 1;
-constexpr std::uint64_t kAnotherPlace = 1000;  ///< of the site: another specimen
+constexpr std::uint64_t kAnotherPlace = 1000;  ///< seed offset of the site: another realisation
 constexpr std::uint64_t kKeyEvery = 20;        ///< ticks
 constexpr std::uint64_t kLookEvery = 250;
 
@@ -32,7 +32,7 @@ BedParameters untouched(const SceneFile& site) {
   return bed;
 }
 
-/// What the operator's program would send: the movement, once it has begun.
+/// Commands that the operator's program would send: the movement, once it has begun.
 class ProbeCommands {
  public:
   ProbeCommands(const ToolMovement& movement, double tick_s) : movement_(movement), tick_s_(tick_s) {}

@@ -8,21 +8,21 @@
 
 namespace haptolith {
 
-/// What a robot's probe has told.
+/// Result of a robot's probe.
 struct ProbedSoil {
   SoilBelief belief;
   std::size_t windows = 0;     ///< in which its tool was where it should have been
-  std::size_t of_windows = 0;  ///< of the whole movement
+  std::size_t of_windows = 0;  ///< windows of the complete movement
 };
 
-/// Lets the robot make the probe by itself, in soil of its site that nothing has touched, beside the place where it
-/// works: the movement of `training`, by its arm, read by its sensor.
+/// Runs the probe automatically, in undisturbed soil of the site, next to the place of
+/// work: the movement of `training`, by its arm, read by its sensor.
 /// @param site  its scene; the box is the training's. @throws as Scene, Robot and SoilIdentifier; Failure when
 /// `progress` gives up.
 [[nodiscard]] ProbedSoil probeSite(const SceneFile& site, const RobotParameters& parameters, const Training& training,
                                    const LabProgress& progress = {});
 
-/// The model with soil of its own kind that is as strong as was believed, and the tool's friction in it.
+/// The model with soil of its kind and the estimated strength, and the tool's friction in it.
 /// @throws InvalidParameter for a model with the paper's friction.
 [[nodiscard]] SceneFile withBelievedSoil(SceneFile model, const SoilBelief& belief, const StrengthMap& strengths);
 

@@ -14,14 +14,15 @@ namespace haptolith {
 namespace {
 
 constexpr std::uint64_t kSettleTicks = 1000;
-constexpr double kClearRadii = 6;  ///< of a grain, between a tool and what is mended
+constexpr double kClearRadii = 6;  ///< distance in particle radii between a tool and repaired soil
 constexpr std::size_t kMostMovesAtOnce = 40;
 constexpr double kBlockRadii = 4;    ///< least width of what is compared
-constexpr double kWorthwhile = 2.5;  ///< difference between two blocks, in what one grain changes each by
-constexpr double kRoughness = 0.6;   ///< of the surfaces of two specimens, over squares of that width, in R
-constexpr double kPacking = 0.6;     ///< share of a heap that is grains
-constexpr double kGap = 0.02;        ///< between a grain that is laid and what it lies on, in R
-constexpr int kPlaces = 7;           ///< that are tried along each side of a block
+constexpr double kWorthwhile = 2.5;  ///< difference between two blocks, in units of one particle's change
+constexpr double kRoughness =
+    0.6;  ///< roughness between the surfaces of two realisations, over squares of that width, in R
+constexpr double kPacking = 0.6;  ///< volume fraction of particles in a pile
+constexpr double kGap = 0.02;     ///< gap between a placed particle and its support, in R
+constexpr int kPlaces = 7;        ///< places tried along each side of a block
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Columns from..to-1, rows from..to-1 of a grid.
@@ -33,14 +34,14 @@ double radiusOf(const SeenSoil& soil, const Float4& sphere) {
   return soil.radius_m + static_cast<double>(sphere.w);
 }
 
-/// Four to a grain's width, but no more than a camera's map could want, whatever grid somebody has sent.
+/// Four per particle diameter, but limited to a camera's map, whatever grid was received.
 std::size_t mendingRaysOf(const SeenSoil& soil, const HeightGrid& grid) {
-  constexpr double kMost = 1 << 20;  // of all cells
+  constexpr double kMost = 1 << 20;  // limit for all cells
   const double along = std::min(2 * grid.cell_m / soil.radius_m, std::sqrt(kMost / static_cast<double>(grid.cells())));
   return static_cast<std::size_t>(std::max(1.0, std::round(along)));
 }
 
-/// Soil whose grains are moved one by one, beside what its surface is to be.
+/// Soil whose particles are moved one by one, with its target surface.
 class Mending {
  public:
   Mending(SeenSoil soil, const BedParameters& bed, const HeightGrid& grid, const std::vector<double>& wanted_m)
@@ -125,7 +126,7 @@ class Mending {
     });
     return 2 * count < all ? kNone : sum_m / count;
   }
-  /// The cell under a place, if what lies there may be changed.
+  /// Whether the soil at a place may be changed.
   [[nodiscard]] bool mayChange(double x_m, double y_m) const {
     const double column = std::floor((x_m - grid_.x_m) / grid_.cell_m),
                  row = std::floor((y_m - grid_.y_m) / grid_.cell_m);
@@ -152,7 +153,7 @@ class Mending {
     }
     return highest;
   }
-  /// Where a grain that is let down comes to lie lowest, around a cell.
+  /// Lowest resting place of a particle that is lowered near a cell.
   [[nodiscard]] std::optional<Vec3> lowestIn(std::size_t cell, std::size_t grain) const {
     const Cells block = blockAround(cell);
     const double own_m = radiusOf(soil_, soil_.grains[grain]);
@@ -238,7 +239,7 @@ Eigen::Vector2d middleOf(const HeightGrid& grid, std::size_t cell) {
           grid.y_m + (static_cast<double>(row) + 0.5) * grid.cell_m};
 }
 
-/// What is known of a site, in cells that are no narrower than a grain's radius.
+/// The known surface of a site, in cells at least as wide as a particle's radius.
 struct KnownSite {
   HeightGrid grid;
   std::vector<double> heights_m;        ///< NaN: not all of it is known
@@ -328,7 +329,7 @@ void SurfaceMender::take() {
 
 std::optional<GrainMove> SurfaceMender::next(bool in_air) {
   take();
-  if (!in_air) {  // what was chosen before soil was dug again is of no use afterwards
+  if (!in_air) {  // moves chosen before further digging are obsolete
     moves_.clear();
   }
   if (moves_.empty()) {

@@ -19,12 +19,12 @@ namespace haptolith {
 /// much, and comes to lie in the lowest hollow of where there is most too little. What there is of soil stays as much.
 /// Differences count over squares four grains' radii wide and more, and beyond what the roughness of grains explains:
 /// soil is no smoother than that. Not for the tick.
-/// @param wanted_m  height over the floor in each cell of `grid`, row by row; NaN: what lies there stays.
+/// @param wanted_m  height over the floor in each cell of `grid`, row by row; NaN: unchanged.
 /// @param most      moves.
 [[nodiscard]] std::vector<GrainMove> movesTowards(SeenSoil soil, const BedParameters& bed, const HeightGrid& grid,
                                                   const std::vector<double>& wanted_m, std::size_t most);
 
-/// Whether a model's surface can be mended: of grains of one size.
+/// Whether a model's surface can be repaired: only with particles of one size.
 [[nodiscard]] inline bool canMend(const BedParameters& model) {
   return grainClasses(model) == 1;
 }
@@ -40,14 +40,14 @@ class SurfaceMender {
   /// @param work       where grains are chosen, which takes some hundredths of a second.
   SurfaceMender(const BedParameters& model, const ToolParameters& tool, double surface_m, Work work = Work::kAtOnce);
 
-  /// What the model's soil was like after tick `index`, where its tool was, and what is known of the site. Call it some
-  /// times a second, with an index that grows.
+  /// Takes the model's soil after tick `index`, its tool, and the known site. Call it at a few
+  /// Hz, with a growing index.
   void look(std::uint64_t index, SeenSoil seen, const Vec3& tool_m, const SiteMap& site);
 
   /// A grain that is to lie elsewhere; none: not now.
   /// @param in_air  whether the hand feels no soil; if it does, those that are still to come are forgotten.
   [[nodiscard]] std::optional<GrainMove> next(bool in_air);
-  /// The one that next() has just told could not be asked for: it comes again.
+  /// The last move of next() could not be requested: it is repeated.
   void refused(const GrainMove& move) { moves_.push_front(move); }
 
  private:

@@ -9,7 +9,7 @@
 
 namespace haptolith::simulation {
 
-/// How true it is what an operator knows of a site's surface, where that has been dug: in cells whose height has
+/// Accuracy of an operator's map of a site's surface in the dug area: in cells whose height has
 /// changed by more than a millimetre, each once it has been at rest for a while. Inside this folder alone.
 class SurfaceWatch {
  public:

@@ -9,7 +9,7 @@
 
 namespace haptolith {
 
-/// A hand that goes where a TaskOperator wants it, and yields to what it feels as its arm does; or lets go of the tool,
+/// A hand that follows a TaskOperator, and yields to force as its arm does; or releases the tool,
 /// which is then as free as a device's handle.
 class TaskHand final : public HapticDevice {
  public:

@@ -29,7 +29,7 @@ class RectangleSums {
   }
 
  private:
-  using Table = std::vector<double>;  ///< of all cells before a corner
+  using Table = std::vector<double>;  ///< sums over all cells before a corner
 
   void add(Table& table, std::size_t column, std::size_t row, double value) const {
     const std::size_t at = row * width_ + column;

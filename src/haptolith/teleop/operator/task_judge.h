@@ -10,16 +10,16 @@
 
 namespace haptolith {
 
-/// Whether a task is seen to be done at a robot's site, whoever does it and wherever there: a trench once the deepest
-/// place of its size, along x or y, is deep enough on the map; a press once the robot has met the force for half a
-/// second; a load once it has borne it for as long with the tool in the air. Not for the tick.
+/// Detects the completion of a task at a robot's site, at any place and by any operator: a trench once the deepest
+/// place of its size, along x or y, is deep enough on the map; a press once the remote force has lasted for half a
+/// second; a load once it has been carried for that time with the tool in the air. Not for the tick.
 class TaskJudge {
  public:
   explicit TaskJudge(SiteTask task) : task_(task) {}
 
-  /// What is known of the site now.
+  /// Takes the current map of the site.
   void look(const SiteMap& site);
-  /// What the robot has told, in the order of its commands.
+  /// Takes a report of the robot, in the order of its commands.
   void met(const RobotReport& report, double tick_s);
 
   [[nodiscard]] bool done() const noexcept { return done_; }

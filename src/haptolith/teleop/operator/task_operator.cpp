@@ -15,7 +15,7 @@ namespace {
 // The trench.
 constexpr double kDepth_m = SiteTaskGoals::trench_depth_m;
 constexpr double kHalfLength_m = SiteTaskGoals::trench_length_m / 2, kHalfWidth_m = SiteTaskGoals::trench_width_m / 2;
-constexpr double kBehind_m = -0.06, kAhead_m = 0.045;  ///< where strokes begin and end
+constexpr double kBehind_m = -0.06, kAhead_m = 0.045;  ///< begin and end of strokes
 constexpr double kDeeper_m = 0.015;                    ///< from stroke to stroke
 constexpr double kBelow_m = 0.003;                     ///< the edge goes under what is wanted: some falls back in
 constexpr double kDeepest_m = 0.05;
@@ -40,7 +40,7 @@ constexpr double kCorrects_s = 0.3;  ///< in which an operator who sees the tool
 constexpr double kMostCorrection_m = 0.03;
 constexpr std::uint64_t kSettles = 200;  ///< commands after a press that do not count
 
-/// Its x axis so far down.
+/// Orientation with the x axis tilted down by this angle.
 Quat nose(double down_rad) {
   return Quat(Eigen::AngleAxisd(down_rad, Vec3::UnitY()));
 }

@@ -12,22 +12,22 @@
 
 namespace haptolith {
 
-/// What an operator goes by.
+/// Information for an operator.
 struct TaskSight {
   double time_s = 0;
-  std::uint64_t index = 0;   ///< of the tick
+  std::uint64_t index = 0;   ///< index of the tick
   Pose tool;                 ///< in the operator's hand, site frame
   double displayed_n = 0;    ///< size of the force
   double met_n = 0;          ///< size of the force that the robot met at the newest command that was heard of
   std::uint64_t met_at = 0;  ///< that command
   const SiteMap* site = nullptr;
-  /// Heights of the soil in the operator's own model; empty: there is none.
+  /// Heights of the soil in the operator's own model; empty: no model.
   std::function<std::vector<double>(const HeightGrid& grid)> own = {};
 };
 
-/// A virtual operator with a task, in the site frame (z is 0 at the soil's first surface), who goes on until it is seen
-/// to be done at the robot's site. Who has a model of the soil goes by that from stroke to stroke and looks at the site
-/// in the end; who has none moves, waits until what the robot did is seen, and moves again, as operators do. Not for
+/// A virtual operator with a task, in the site frame (z is 0 at the soil's first surface), which continues until the
+/// task is seen complete at the robot's site. With a model of the soil it plans strokes by that and checks the site
+/// at the end; without one it moves, waits for the result to be visible, and moves again (move and wait). Not for
 /// the tick.
 class TaskOperator {
  public:
@@ -69,8 +69,8 @@ class TaskOperator {
   Vec3 correction_m_ = Vec3::Zero();
   double last_s_ = 0, tick_s_ = 0, waits_since_s_ = 0;
   std::uint64_t waits_at_ = 0;
-  double edge_m_ = 0;     ///< how deep the blade's edge went last, or the scoop
-  double aim_n_ = 0;      ///< force that is to be felt
+  double edge_m_ = 0;     ///< last depth of the blade's edge, or of the scoop
+  double aim_n_ = 0;      ///< target force
   double pressed_m_ = 0;  ///< since the last wait
   double weighed_n_ = 0, weighings_ = 0;
   bool done_ = false;

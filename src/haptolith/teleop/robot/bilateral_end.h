@@ -11,16 +11,16 @@ namespace haptolith {
 ///
 ///     out here (t) <= in there (t - delay)
 ///
-/// Each end tells the other with every packet how much has gone in at it so far. What would come out in excess is taken
-/// back: where the hand is, by damping its force; where the robot is, by slowing it down. May be called in the tick.
+/// Each end sends with every packet its total input energy. Excess output is dissipated: at the
+/// hand by damping its force; at the robot by slowing it down. May be called in the tick.
 class BilateralEnd {
  public:
-  /// @param lever_m  turns count as movements at so long a lever.
+  /// @param lever_m  lever that converts rotations to movements.
   BilateralEnd(double tick_s, double lever_m) noexcept : tick_s_(tick_s), lever_m_(lever_m) {}
 
-  /// What the other end told.
+  /// Receives the other end's total input.
   void hear(double in_there_j) noexcept { in_there_j_ = std::max(in_there_j_, in_there_j); }
-  /// What has gone in here, to be told.
+  /// Total input at this end, to be sent.
   [[nodiscard]] double in() const noexcept { return in_j_; }
   /// Energy that is still owed to this end.
   [[nodiscard]] double margin() const noexcept { return in_there_j_ - out_j_; }
@@ -34,7 +34,7 @@ class BilateralEnd {
   [[nodiscard]] Twist brake(const Twist& moved, const Wrench& load) noexcept;
 
  private:
-  /// What is in excess of a tick's energy out of the channel; books the rest.
+  /// Excess of a tick's energy out of the channel; books the rest.
   [[nodiscard]] double excess(double out_j) noexcept;
 
   double tick_s_, lever_m_;

@@ -60,7 +60,7 @@ void ForceSensor::tare() noexcept {
   sum_ = {};
 }
 
-/// What hangs on it, and is moved so.
+/// Wrench of the attached mass, at this orientation and acceleration.
 Wrench ForceSensor::carried(double mass_kg, const Quat& orientation, const Vec3& acceleration_m_s2) const noexcept {
   Wrench load;
   load.add(mass_kg * (gravity_m_s2_ - acceleration_m_s2), orientation * parameters_.centre_of_mass_m);

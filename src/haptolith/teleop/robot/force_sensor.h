@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// A six-axis force and torque sensor between a robot's wrist and its tool. The usual values are round numbers of ours,
+/// A six-axis force and torque sensor between a robot's wrist and its tool. The defaults are assumed round numbers
 /// of the size that makers state for sensors of 100 to 200 N.
 struct ForceSensorParameters {
   double noise_n = 0.05, noise_nm = 0.002;  ///< standard deviation of each reading, along each axis
@@ -18,9 +18,9 @@ struct ForceSensorParameters {
   double lag_s = 0.005;                        ///< time constant of its low-pass
   double full_scale_n = 200;                   ///< it shows no more, along each axis
   double full_scale_nm = 10;
-  double tool_mass_kg = 0.3;             ///< of the tool that hangs on it
-  double told_mass_kg = 0.29;            ///< what the robot takes it for, to subtract its weight
-  Vec3 centre_of_mass_m = Vec3::Zero();  ///< of the tool, in its frame
+  double tool_mass_kg = 0.3;             ///< mass of the attached tool
+  double told_mass_kg = 0.29;            ///< assumed mass for the subtraction of its weight
+  Vec3 centre_of_mass_m = Vec3::Zero();  ///< of the tool, in the tool frame
   std::uint64_t seed = 1;
 
   [[nodiscard]] bool operator==(const ForceSensorParameters&) const = default;
@@ -40,14 +40,14 @@ struct ForceSensorRanges {
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const ForceSensorParameters& sensor);
 
-/// What such a sensor tells of the soil on the tool, scene frame, about the tool's origin:
+/// Reading of such a sensor for the soil on the tool, scene frame, about the tool's origin:
 ///
 ///     raw  = lowpass(soil + m (g - a)) + bias + drift t + noise,         each axis within the full scale
 ///     told = raw - lowpass(m_told (g - a)) - zero
 ///     zero = mean(raw - lowpass(m_told (g - a)))         while it is tared
 ///
-/// The robot knows how it moves, so the weight and inertia of the tool are gone but for what it is wrong about its
-/// mass. One reading a tick; the same seed gives the same readings. Functions may be called in the tick.
+/// The robot's own motion is known, so the weight and inertia of the tool are removed except for the error of its
+/// mass. One reading per tick; equal seeds give equal readings. Functions may be called in the tick.
 class ForceSensor {
  public:
   /// @throws InvalidParameter as validate().

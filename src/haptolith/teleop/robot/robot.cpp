@@ -95,7 +95,7 @@ void Robot::tick() {
   account();
 }
 
-/// Goes on to the next command, if it has come.
+/// Advances to the next command, if it has arrived.
 void Robot::play() {
   pace_ = 0;
   if (track_.empty()) {
@@ -123,7 +123,7 @@ void Robot::play() {
   }
 }
 
-/// Looks at the stretch that is carried out: what no hand has done is not done either.
+/// Checks the stretch under execution: implausible movements are not executed.
 void Robot::bridge() {
   if (track_.oldest() == track_.newest()) {
     return;
@@ -152,14 +152,14 @@ void Robot::stop(StopReason reason) noexcept {
   reason_ = reason;
   ++stops_;
   become(reason == StopReason::kFault ? RobotState::kFailed : RobotState::kHolding);
-  wanted_ = {{tool_.pose, {}}, wanted_.opening};  // where it is: what it pressed against is let go
+  wanted_ = {{tool_.pose, {}}, wanted_.opening};  // its current place: releases the pressure
 }
 
 void Robot::decide() {
   const bool silent = silent_s_ > parameters_.silence_s;
   if (!arm_->ready() && state_ != RobotState::kTaring && state_ != RobotState::kFailed) {
     stop(StopReason::kFault);
-    become(RobotState::kTaring);  // until it tells again where it is
+    become(RobotState::kTaring);  // until it reports its pose again
   }
   const bool commanded = !track_.empty() && held_ && !silent;
   switch (state_) {
@@ -202,7 +202,7 @@ void Robot::decide() {
   }
 }
 
-/// Where the operator has the tool, as far as the workspace goes.
+/// The operator's tool, limited to the workspace.
 HandState Robot::command() noexcept {
   HandState command = track_.at(play_);
   const Vec3 inside = command.pose.position_m.cwiseMax(parameters_.lowest_m).cwiseMin(parameters_.highest_m);
@@ -229,7 +229,7 @@ void Robot::follow(const HandState& command) noexcept {
   }
 }
 
-/// Up, across, and down: no way of its own leads through soil that nobody has dug.
+/// Up, across, and down: no automatic path leads through soil.
 void Robot::approach(const HandState& command) noexcept {
   const double most_m = parameters_.approach_m_s * tick_s_;
   const double most_rad = parameters_.approach_rad_s * tick_s_;
@@ -275,7 +275,7 @@ void Robot::want(const Pose& pose, double opening) noexcept {
   wanted_.opening = opening;
 }
 
-/// Whether where the tool is wanted is somebody's will.
+/// Whether the target of the tool is a command.
 bool Robot::commandsArm() const noexcept {
   return state_ == RobotState::kApproaching || state_ == RobotState::kFollowing || state_ == RobotState::kHolding ||
          state_ == RobotState::kRetracting;

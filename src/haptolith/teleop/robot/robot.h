@@ -17,19 +17,19 @@ namespace haptolith {
 
 /// A robot's arm and what keeps it safe. Lengths are in its site frame, z above the soil's first surface.
 struct RobotParameters {
-  /// What pulls the tool after the command: as stiff as a compliant arm, its damping 0.73 of critical.
+  /// Arm that pulls the tool along the command: a compliant arm with 0.73 of critical damping.
   ArmParameters arm{.mass_kg = 1, .damping_n_s_m = 180, .stiffness_n_m = 15000, .lever_m = 0.1};
-  double max_force_n = 60;     ///< it pulls no harder; the tool then stays behind the command
-  double stop_force_n = 100;   ///< it holds when its sensor tells more, for 20 ms
-  double max_speed_m_s = 0.5;  ///< of the tool; commands that are faster are followed late
+  double max_force_n = 60;     ///< largest pulling force; the tool then lags behind the command
+  double stop_force_n = 100;   ///< it holds when its sensor exceeds this for 20 ms
+  double max_speed_m_s = 0.5;  ///< of the tool; faster commands are followed late
   double jump_m_s = 2;         ///< between two keyframes: no hand is so fast
-  double approach_m_s = 0.1;   ///< while it goes somewhere by itself
-  double approach_rad_s = 1;   ///< likewise
+  double approach_m_s = 0.1;   ///< during automatic movements
+  double approach_rad_s = 1;   ///< during automatic movements
   double clear_m = 0.08;       ///< height at which it goes across
-  double playout_s = 0.02;     ///< of commands that it keeps in hand at first against jitter; more when they run out
+  double playout_s = 0.02;     ///< initial buffer of commands against jitter; grows when it runs out
   double longest_gap_s = 0.5;  ///< between two keyframes, to be bridged
-  double silence_s = 3;        ///< without a command it retracts; it has stood still since the last
-  double hold_s = 1;           ///< it stands still so long when it has stopped for another reason
+  double silence_s = 3;        ///< time without a command after which it retracts; it stops at once
+  double hold_s = 1;           ///< duration of a stop for another reason
   Vec3 lowest_m{-0.5, -0.5, -0.3},
       highest_m{0.5, 0.5, 0.5};  ///< its workspace: commands beyond are followed to its edge
   ForceSensorParameters sensor;
@@ -48,10 +48,10 @@ struct RobotRanges {
 /// @throws InvalidParameter with the key, the value and the valid range: also for an arm that a tick cannot follow.
 void validate(const RobotParameters& robot, double tick_s);
 
-/// A robot that follows commands by their index: an arm, and what keeps it safe. The arm is a stand-in that digs in a
-/// bed of its own, or another's. It needs no clock in common with the operator: it carries a command out when it comes,
+/// A robot that follows commands by their index: an arm, and its safety functions. The arm is simulated in a
+/// separate bed, or external. No common clock with the operator is needed: it executes commands on arrival,
 /// in order, at the pace of its own ticks, up to a tenth faster when many wait. tick() allocates nothing with a
-/// stand-in.
+/// simulated arm.
 class Robot {
  public:
   /// @param scene  its bed and tool; it puts the tool at home.
@@ -69,7 +69,7 @@ class Robot {
 
   void tick();
 
-  /// What happened since the last call.
+  /// Report on the ticks since the last call.
   [[nodiscard]] RobotReport report() noexcept;
 
   [[nodiscard]] RobotState state() const noexcept { return state_; }
@@ -85,7 +85,7 @@ class Robot {
   [[nodiscard]] bool atForceCap() const noexcept { return at_force_cap_; }
   [[nodiscard]] bool atSpeedCap() const noexcept { return at_speed_cap_; }
   [[nodiscard]] bool atWorkspaceEdge() const noexcept { return at_edge_; }
-  /// How often commands ran out before the next came.
+  /// Number of times that the buffer of commands ran empty.
   [[nodiscard]] std::uint64_t ranOut() const noexcept { return ran_out_; }
   [[nodiscard]] std::uint64_t stops() const noexcept { return stops_; }
 

@@ -10,8 +10,8 @@ namespace haptolith {
 namespace {
 
 constexpr double kForgottenAfter_s = 3;
-constexpr int kMostAtOnce = 256;         // of a flood; the rest waits for the next tick
-constexpr std::size_t kMostOver = 4096;  // sessions that are remembered
+constexpr int kMostAtOnce = 256;         // limit per tick in a flood; the rest waits
+constexpr std::size_t kMostOver = 4096;  // remembered sessions
 
 }  // namespace
 
@@ -53,7 +53,7 @@ void RobotServer::take(const UdpPort::Datagram& datagram) {
   const bool somebody = !operator_.empty() && ticks_ - heard_tick_ < forgotten_after_;
   if (opened.proof == PacketSeal::Proof::kGreeting) {
     ++counts_.greetings;
-    operator_ = somebody ? operator_ : datagram.from;  // is told this end's nonce with the next answer
+    operator_ = somebody ? operator_ : datagram.from;  // receives this end's nonce with the next answer
     return;
   }
   const bool another = packet->connection != connection_;
@@ -61,7 +61,7 @@ void RobotServer::take(const UdpPort::Datagram& datagram) {
     ++counts_.replayed;
     return;
   }
-  // Who has proved to be there may begin anew, from wherever; who has proved nothing may not take the robot away.
+  // A sender that has proved its key may reconnect from any address; others may not take the robot away.
   if (another && connection_ != 0 && somebody && !seal_.hasKey() && datagram.from != operator_) {
     ++counts_.strangers;
     return;

@@ -13,8 +13,8 @@
 
 namespace haptolith {
 
-/// A robot's end of a link: gives it the commands that come, and tells the operator how it fares. Whoever is heard
-/// first has the robot until it has been silent for three seconds. Not for the tick.
+/// A robot's end of a link: passes received commands to it, and reports its state to the operator. The first
+/// sender holds the robot until it has been silent for three seconds. Not for the tick.
 class RobotServer {
  public:
   /// Listens. @throws InvalidParameter, Failure: as UdpPort and PacketSeal; InvalidParameter for an address beyond this
@@ -23,9 +23,9 @@ class RobotServer {
 
   /// Takes what has come; tick the robot after it, and call answer() then.
   void receive();
-  /// Once a tick: tells the operator where the robot is, when that is due.
+  /// Once per tick: sends the robot's state to the operator, when due.
   void answer();
-  /// Tells the operator, if there is one, what the robot sees of its site.
+  /// Sends the robot's view of the site to the operator, if connected.
   void show(SitePacket packet);
 
   [[nodiscard]] std::uint16_t port() const { return port_.port(); }

@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// A compliant arm with a force sensor whose tool digs in a bed of its own.
+/// A compliant arm with a force sensor whose tool digs in a separate bed.
 class SimulatedArm final : public RobotArm {
  public:
   /// @param scene  its bed and tool; it puts the tool at home.

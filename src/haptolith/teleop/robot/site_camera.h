@@ -12,28 +12,28 @@
 
 namespace haptolith {
 
-/// A stand-in for a camera above a robot's site: looks at its soil four times a second, and tells the parts that have
-/// changed first, then those that were told longest ago; so what was lost comes again.
+/// A simulated camera above a robot's site: captures its soil at 4 Hz, and sends changed parts
+/// first, then those sent longest ago, so that lost parts are repeated.
 class SiteCamera {
  public:
   /// @param surface_m  height of the soil's surface in the scene: the site frame's zero.
   /// @param period_s   between two packets.
   SiteCamera(const Bed& bed, double surface_m, double period_s, double tick_s, Work work = Work::kAtOnce);
 
-  /// After each tick of the robot, which has come to command `index`: the packet that is due, without a connection.
-  /// Looking takes some milliseconds, but for a copy beside the caller.
+  /// After each tick of the robot, whose last executed command is `index`: the packet that is due, without a
+  /// connection. Capturing takes a few milliseconds, on a separate thread except for a copy.
   [[nodiscard]] std::optional<SitePacket> tick(std::uint64_t index);
 
   [[nodiscard]] const HeightGrid& grid() const noexcept { return grid_; }
   /// As it was last seen, over the site's zero.
   [[nodiscard]] const std::vector<double>& heights() const noexcept { return heights_m_; }
-  /// How often it has looked.
+  /// Number of captures.
   [[nodiscard]] std::uint64_t looks() const noexcept { return looks_; }
 
  private:
   struct Part {
     std::size_t column, row, columns, rows;
-    std::uint64_t number = 0;  ///< of the packet that told it last
+    std::uint64_t number = 0;  ///< number of the packet that sent it last
     bool changed = true;       ///< since then
     std::vector<std::int16_t> told;
   };

@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-/// Where the hand of a scene would begin, over the surface.
+/// Initial pose of a scene's hand, over the surface.
 Pose homeOf(const SceneFile& site) {
   HandParameters hand = site.hand;
   hand.surface_m = 0;
@@ -88,7 +88,7 @@ void RobotBehindLink::keep(const char* name, std::thread& thread, void (RobotBeh
   try {
     thread = startThread(name, run);
   } catch (...) {
-    ends_ = true;  // nobody waits for the other one
+    ends_ = true;  // no thread waits for the other one
     if (digging_.joinable()) {
       digging_.join();
     }

@@ -14,7 +14,7 @@
 
 namespace haptolith {
 
-/// A stand-in for a robot far away: one that digs in a bed of its own, with a camera above it, and talks to its
+/// A simulated remote robot: digs in a separate bed, with a camera above it, and communicates with its
 /// operator by UDP.
 class SiteRobot {
  public:
@@ -39,7 +39,7 @@ class SiteRobot {
   RobotServer server_;
 };
 
-/// One on this machine, at the other end of a link with delay, in real time on threads of its own.
+/// A robot on this machine, at the other end of a link with delay, in real time on separate threads.
 class RobotBehindLink {
  public:
   /// @throws InvalidParameter, Failure: as SiteRobot and UdpRelay; Failure when there is no thread for it.
@@ -49,11 +49,11 @@ class RobotBehindLink {
   RobotBehindLink(const RobotBehindLink&) = delete;
   RobotBehindLink& operator=(const RobotBehindLink&) = delete;
 
-  /// Where its operator sends to: HOST:PORT.
+  /// Address for its operator: HOST:PORT.
   [[nodiscard]] std::string address() const;
   /// Whether it has found its sensor's zero, and waits for an operator or follows one.
   [[nodiscard]] bool isReady() const noexcept { return ready_; }
-  /// Why it ended by itself; empty: it has not.
+  /// Reason why it ended early; empty while it runs.
   [[nodiscard]] std::string problem() const;
 
  private:
