@@ -22,7 +22,7 @@ struct DeviceParameters {
   double drop = 0;                     ///< share of the packets that get lost, and of the answers
   /// A device tells the velocity of its steps, smoothed: v += share ((x - x_before) / 1 ms - v). 1: as it is.
   double velocity_share = 0.3;
-  /// Without an answer for so long the device shows nothing, as docs/how-to/devices.md asks for. 0: for ever.
+  /// Without an answer for so long the device shows nothing, as docs/reference/udp.md asks for. 0: for ever.
   double blank_ms = 20;
 };
 

@@ -1,5 +1,5 @@
 // An independent judge of what a hand is given: plays a person at a haptic device against a haptolith that it starts,
-// over UDP, and knows of haptolith nothing but docs/how-to/devices.md. README.md in this folder says how to run and
+// over UDP, and knows of haptolith nothing but docs/reference/udp.md. README.md in this folder says how to run and
 // read it.
 
 #include <CLI/CLI.hpp>

@@ -10,8 +10,7 @@
 
 namespace hand_in_the_loop {
 
-// Both packets of docs/how-to/devices.md, "Any other device or program: UDP", written from its tables and from nothing
-// else.
+// Both packets of docs/reference/udp.md, written from its tables and from nothing else.
 
 /// What the program that holds the tool sends.
 struct DevicePacket {

@@ -184,14 +184,14 @@ void testPackets() {
   check(std::memcmp(bytes.data(), "HLDV\x01\x00\x01\x00\x04\x03\x02\x01", 12) == 0 && bytes[16] == std::byte{7} &&
             bytes[30] == std::byte{0xe0} && bytes[31] == std::byte{0x3f} && bytes[47] == std::byte{0xbf} &&
             bytes[54] == std::byte{0xf0} && bytes[55] == std::byte{0x3f},
-        "a packet lies in memory as docs/how-to/devices.md says");
+        "a packet lies in memory as docs/reference/udp.md says");
   const Answer answer{.live = true, .sequence = 3, .number = 9, .force_n = {0, 0, 2}, .grip_n = -1};
   auto answered = bytesOf(answer);
   const auto parsed = parseAnswer(answered);
   check(parsed && parsed->live && !parsed->let_go && parsed->number == 9 && parsed->force_n == answer.force_n &&
             parsed->grip_n == -1 && answered[6] == std::byte{1} && answered[46] == std::byte{0x00} &&
             answered[47] == std::byte{0x40},
-        "an answer is read from where docs/how-to/devices.md says");
+        "an answer is read from where docs/reference/udp.md says");
   answered[4] = std::byte{2};
   check(!parseAnswer(answered) && !parseAnswer(std::span(answered).first(79)), "another version or size is no answer");
 }

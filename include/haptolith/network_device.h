@@ -12,7 +12,7 @@
 * A program that renders force must set it to zero when no answer has arrived for HAPTO_NETWORK_SILENCE_MS: haptolith may be gone.
  *
  * With a key, HAPTO_NETWORK_TAG_BYTES follow a sent packet, and a nonce and a tag of that size each follow an answer:
- * docs/how-to/devices.md has their content.
+ * docs/reference/udp.md has their content.
  */
 #ifndef HAPTOLITH_NETWORK_DEVICE_H
 #define HAPTOLITH_NETWORK_DEVICE_H

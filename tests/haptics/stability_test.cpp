@@ -1,4 +1,4 @@
-// A few settings of the sweep in docs/explanation/safety.md: benchmarks/stability.
+// A few settings of the sweep in docs/reports/stability.md: benchmarks/stability.
 
 #include "stability.h"
 

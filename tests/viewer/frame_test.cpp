@@ -35,7 +35,7 @@ std::string bytesOf(const char* file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A frame taken apart by docs/reference/web-protocol.md, without the encoder's help.
+/// A frame taken apart by docs/reference/web-messages.md, without the encoder's help.
 struct Read {
   explicit Read(const std::string& bytes) : bytes_(bytes) {
     at(2, flags), at(4, scene), at(8, time_s), at(96, tick_us), at(100, misses), at(104, awake), at(108, particles);
@@ -323,7 +323,7 @@ TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   EXPECT_EQ(frame.number, 100U);
 
   EXPECT_EQ(*bytes, bytesOf("tests/data/frame-v1.bin"))
-      << "another format needs another version, in docs/reference/web-protocol.md, the page and here";
+      << "another format needs another version, in docs/reference/web-messages.md, the page and here";
 
   snapshot.stones = {{Vec3(0.01, -0.02, 0.03), Quat(0.5, -0.5, 0.5, -0.5)}, {Vec3(0.04, 0, 0.05)}};
   FrameEncoder with_stones(7, 40, kSpace, 99);

@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// First bytes of a film: docs/reference/web-protocol.md.
+/// First bytes of a film: docs/reference/web-messages.md.
 inline constexpr std::string_view kFilmMagic = "haptolith film 1";
 
 /// A recording as the messages that a page is sent, one after the other: what a browser plays without a program. Until

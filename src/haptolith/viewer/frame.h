@@ -24,7 +24,7 @@ struct BesideSnapshot {
   std::span<const float> load_n = {};  ///< contact force of each particle; empty: unknown
 };
 
-/// Pictures of the bed as bytes: docs/reference/web-protocol.md. Positions are quantised, and only particles whose
+/// Pictures of the bed as bytes: docs/reference/web-messages.md. Positions are quantised, and only particles whose
 /// bytes have changed since a client's last frame are in its next; stones are in all. Not thread-safe.
 class FrameEncoder {
  public:

@@ -18,7 +18,7 @@
 
 namespace haptolith {
 
-/// The JSON messages of docs/reference/web-protocol.md. The nameless ones name no soil, world, preset or file.
+/// The JSON messages of docs/reference/web-messages.md. The nameless ones name no soil, world, preset or file.
 
 /// "$client" in it is replaced by the number of the receiving client: see Board.
 [[nodiscard]] Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_uploads);

@@ -1,4 +1,4 @@
-// What the program tells: docs/reference/web-protocol.md, version 1.
+// What the program tells: docs/reference/web-messages.md, version 1.
 //
 // Text is JSON. What the program says is described by the schemas below, which check each message and give the types;
 // keys that they do not name are left out, so that later programs may add some.

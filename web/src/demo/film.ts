@@ -1,5 +1,5 @@
 // A film: what `haptolith export --format film` made of a recording, the messages of the protocol one after the other
-// (docs/reference/web-protocol.md).
+// (docs/reference/web-messages.md).
 
 import { decodeFrame, HEADER_BYTES, RECORD_BYTES, RUN_BYTES } from 'haptolith-protocol';
 

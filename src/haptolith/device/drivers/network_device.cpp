@@ -128,7 +128,7 @@ NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkTi
   } else if (!isThisMachine(address) && !parameters.insecure) {
     throw InvalidParameter("address", fmt::format("'{}'", text),
                            "one of this machine alone, such as 127.0.0.1:9050, unless packets are signed "
-                           "(--device-key-file, docs/how-to/devices.md) or all users of the network are trusted "
+                           "(--device-key-file, docs/reference/udp.md) or all users of the network are trusted "
                            "(--device-insecure)");
   }
   const auto fail = [&](const char* remedy) {
