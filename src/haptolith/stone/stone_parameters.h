@@ -34,7 +34,7 @@ struct PlacedStone {
 /// Stones in a bed: so many of random sizes at random places, and those that somebody has put somewhere.
 ///
 /// How many of the random ones are larger than D goes as D^-exponent between the smallest and the largest, as counts of
-/// stones on the Moon do (docs/reference/scenes.md).
+/// stones on the Moon do (docs/reference/scene-keys-tool.md).
 struct StonesParameters {
   int count = 0;
   StoneForm form = StoneForm::kRock;  ///< not kSpheres
