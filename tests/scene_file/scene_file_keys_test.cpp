@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <variant>
 
 #include "haptolith/core/error.h"
@@ -27,14 +29,23 @@ std::string readSource(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// The row of docs/reference/scenes.md for a key.
+/// The pages that list the keys of scenes, one after the other.
+std::string readKeyPages() {
+  std::string text;
+  for (const std::string_view page : {"scenes", "scene-keys-soil", "scene-keys-tool", "scene-keys-loop"}) {
+    text += readSource(fmt::format("docs/reference/{}.md", page));
+  }
+  return text;
+}
+
+/// The row for a key in these pages.
 template <class Key>
 std::string documented(const Key& key) {
   return fmt::format("| `{}` | {} | {} |\n", key.name, validText(key), key.meaning);
 }
 
 TEST(SceneFileKeys, AreAllInTheDocument) {
-  const std::string document = readSource("docs/reference/scenes.md");
+  const std::string document = readKeyPages();
   for (const SceneFileKey& key : sceneFileKeys()) {
     const std::size_t section =
         document.find(key.table.empty() ? "## At the top\n" : fmt::format("## [{}]\n", key.table));
@@ -45,7 +56,7 @@ TEST(SceneFileKeys, AreAllInTheDocument) {
 }
 
 TEST(SceneFileKeys, OfAStoneAreAllInTheDocument) {
-  const std::string document = readSource("docs/reference/scenes.md");
+  const std::string document = readKeyPages();
   const std::string text = document.substr(document.find("## [[stone]]\n"));
   for (const StoneKey& key : stoneKeys()) {
     EXPECT_THAT(text, HasSubstr(documented(key)));
@@ -53,7 +64,7 @@ TEST(SceneFileKeys, OfAStoneAreAllInTheDocument) {
 }
 
 TEST(SceneFileKeys, OfAToolsPartAreAllInTheDocument) {
-  const std::string document = readSource("docs/reference/scenes.md");
+  const std::string document = readKeyPages();
   const std::string text = document.substr(document.find("## [[tool_part]]\n"));
   for (const ToolPartKey& key : toolPartKeys()) {
     EXPECT_THAT(text, HasSubstr(documented(key)));
@@ -61,7 +72,7 @@ TEST(SceneFileKeys, OfAToolsPartAreAllInTheDocument) {
 }
 
 TEST(SceneFileKeys, TheDocumentHasNoOthers) {
-  const std::string document = readSource("docs/reference/scenes.md");
+  const std::string document = readKeyPages();
   std::ptrdiff_t rows = 0;
   for (std::size_t at = document.find("\n| `"); at != std::string::npos; at = document.find("\n| `", at + 1)) {
     ++rows;

@@ -104,19 +104,19 @@ Keys keysOfSoil() {
                    s.bed.soil = findPreset(v).soil;
                  },
                  kOnlyRead},
-       "Soil of the paper's Table II; not together with `gamma_nm`, `rho0_kg_m3`, `rho_max_kg_m3` or `mu_hat`."},
+       "Soil of the ICRA 2021 paper (Table II); excludes the numbers that define a soil."},
       {"soil", "name", "",
        WordValue{namesOf(builtInSoils()), [](S& s, std::string_view v) { setSoil(s, findSoil(v)); }, kOnlyRead},
-       "A soil with a name; instead of a preset, and not together with the numbers that make a soil."},
+       "Named soil; excludes `preset` and the numbers that define a soil."},
       {"soil", "file", "",
        PathValue{[](S& s, const std::filesystem::path& v) { setSoil(s, loadSoilFile(v)); }, kOnlyRead},
-       "A soil file (soils.md), beside the scene file; the same goes for it."},
+       "Soil file (soils.md), next to the scene file; excludes the same keys."},
   };
   const auto* of_model = std::ranges::find_if(kSoilNumbers, [](const SoilNumber& n) { return n.model.has_value(); });
   std::transform(kSoilNumbers.begin(), of_model, std::back_inserter(keys), soilNumber);
   keys.push_back(soil.word(
       "friction", &SoilParameters::friction, kFrictionWords,
-      "What friction acts against: absolute space, as in the paper (14), or the particles that a particle touches."));
+      "Friction model: `paper` acts against absolute space (paper 14), `contact` between touching particles."));
   std::transform(of_model, kSoilNumbers.end(), std::back_inserter(keys), soilNumber);
   return keys;
 }
@@ -134,7 +134,7 @@ Keys keysOfWorld() {
                      setGravity(s, v, s.bed.gravity_m_s2.norm());
                    },
                    kOnlyRead},
-       "Where things fall to, of any length but 0."},
+       "Direction of gravity; any length except 0."},
       {"gravity", "body", "",
        WordValue{namesOf(bodies()),
                  [](S& s, std::string_view v) {
@@ -142,7 +142,7 @@ Keys keysOfWorld() {
                    setGravity(s, s.bed.gravity_m_s2, findBody(v).gravity_m_s2);
                  },
                  kOnlyRead},
-       "Gravity of a celestial body; not together with `magnitude_m_s2`."},
+       "Gravity of a celestial body; excludes `magnitude_m_s2`."},
       {"gravity", "magnitude_m_s2", "gravity_m_s2",
        NumberValue{BedRanges::gravity_m_s2,
                    [](S& s, double v) {
@@ -150,7 +150,7 @@ Keys keysOfWorld() {
                      setGravity(s, s.bed.gravity_m_s2, v);
                    },
                    kOnlyRead},
-       "Gravity by its number."},
+       "Magnitude of gravity."},
       {"gravity", "vector_m_s2", "gravity_m_s2",
        VectorValue{kGravityAxis_m_s2,
                    [](S& s, const Vec3& v) {
@@ -158,16 +158,16 @@ Keys keysOfWorld() {
                      s.bed.gravity_m_s2 = v;
                    },
                    [](const S& s) { return s.bed.gravity_m_s2; }},
-       "Gravity by its three numbers; instead of all others."},
+       "Gravity vector; excludes the three other keys."},
 
       // Names that the program writes in addition to numbers.
-      names.text("preset", &S::preset, "What the soil is called when it is a preset."),
-      names.text("soil", &S::soil_name, "What the soil is called when it has a name of its own."),
-      names.text("body", &S::body, "What the world is called."),
+      names.text("preset", &S::preset, "Name of the preset."),
+      names.text("soil", &S::soil_name, "Name of the soil."),
+      names.text("body", &S::body, "Name of the celestial body."),
       {"names", "mesh", "",
        TextValue{[](S& s, std::string_view v) { s.mesh.name = v; },
                  [](const S& s) { return s.mesh.bytes ? std::string_view(s.mesh.name) : std::string_view(); }},
-       "What the file of the tool's mesh was called."},
+       "Name of the tool's mesh file."},
   };
 }
 
@@ -175,64 +175,58 @@ Keys keysOfBed() {
   const auto bed = memberKeys<S>("bed", &S::bed);
   const auto grading = memberKeys<S>("bed", &S::bed, &BedParameters::grading);
   return {
-      bed.word(
-          "start", &BedParameters::start, kBedStartWords,
-          "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; dropped at random; "
-          "settled and levelled at `depth_mm`, at rest, in pieces that repeat (below); or where `grains` has it."),
+      bed.word("start", &BedParameters::start, kBedStartWords,
+               "Initial bed: `particles` in `layers`, close packing, random rain, settled and levelled, or positions "
+               "from `grains`."),
       {"bed", "grains", "",
        PathValue{[](S& s, const std::filesystem::path& v) {
                    s.bed.given = readGrains(v, s.bed.soil.radius_m);
                    s.bed.start = BedStart::kGiven;
                  },
                  kOnlyRead},
-       "Where each grain is: a .csv file beside the scene file (below), as `haptolith import` writes. Implies "
-       "`start`."},
+       "CSV file of particle positions, next to the scene file. Implies `start`."},
       {"bed", "grains_data", "",
        DataValue{[](S& s, std::string_view v) { readGrainsData(s.bed.given, v); },
                  [](const S& s) { return grainsData(s.bed.given); }},
-       "What the program writes in place of `grains`: how many are held, a colon, and their numbers in base64."},
+       "Written by the program instead of `grains`: number of held particles, colon, numbers in base64."},
       bed.count("particles", &BedParameters::particles, BedRanges::particles,
-                "Number of macroparticles; for `count` and `rain`."),
-      bed.count("layers", &BedParameters::layers, BedRanges::layers, "Number of layers; for `count`."),
+                "Number of particles; `count` and `rain`."),
+      bed.count("layers", &BedParameters::layers, BedRanges::layers, "Number of layers; `count`."),
       bed.number("width_mm", &BedParameters::width_m, BedRanges::length_m, kMillimetres,
-                 "Inner size of the box along x; at least a particle."),
+                 "Inner size of the box along x, at least a particle."),
       bed.number("length_mm", &BedParameters::length_m, BedRanges::length_m, kMillimetres,
-                 "Inner size of the box along y; at least a particle."),
+                 "Inner size of the box along y, at least a particle."),
       bed.number("depth_mm", &BedParameters::depth_m, BedRanges::length_m, kMillimetres,
-                 "Height of the undisturbed soil; for `packed` and `settled`; at least a particle."),
+                 "Height of the undisturbed soil, at least a particle; `packed` and `settled`."),
       bed.count("seed", &BedParameters::seed, BedRanges::seed,
-                "Seed of the random numbers; for `rain`, `settled` and finer grains. One seed, one bed."),
+                "Random seed; `rain`, `settled` and graded beds. One seed gives one bed."),
       bed.onOrOff("ready_made", &BedParameters::ready_made,
-                  "Whether settled soil that ships with the program is taken, where there is some of this soil, "
-                  "radius, depth, gravity and seed, instead of letting it settle here; for `settled`."),
+                  "Use the shipped settled tile where soil, radius, depth, gravity and seed match; `settled`."),
       grading.number("fine_radius_mm", &Grading::fine_radius_m, BedRanges::fine_radius_m, kMillimetres,
-                     "Radius of finer grains where soil is felt: the soil's halved once, twice or three times, with "
-                     "shells of the sizes between around them; 0: grains are all alike."),
+                     "Finest radius of a graded bed: R/2, R/4 or R/8; 0: one size."),
       grading.number("fine_width_mm", &Grading::fine_width_m, BedRanges::fine_length_m, kMillimetres,
-                     "Size of the soil with the finest grains along x."),
+                     "Size of the finest region along x."),
       grading.number("fine_length_mm", &Grading::fine_length_m, BedRanges::fine_length_m, kMillimetres,
-                     "Size of the soil with the finest grains along y."),
+                     "Size of the finest region along y."),
       grading.number("fine_depth_mm", &Grading::fine_depth_m, BedRanges::fine_length_m, kMillimetres,
-                     "How deep the finest grains go below the surface."),
+                     "Depth of the finest region below the surface."),
       grading.number("fine_x_mm", &Grading::fine_x_m, BedRanges::fine_place_m, kMillimetres,
-                     "Middle of the soil with the finest grains along x."),
+                     "Centre of the finest region along x."),
       grading.number("fine_y_mm", &Grading::fine_y_m, BedRanges::fine_place_m, kMillimetres,
-                     "Middle of the soil with the finest grains along y."),
-      bed.onOrOff("sleep", &BedParameters::sleep,
-                  "Whether soil at rest is not computed until something near it moves."),
-      bed.number("sleep_speed_m_s", &BedParameters::sleep_speed_m_s, BedRanges::sleep_speed_m_s,
-                 "What moves faster is not at rest. 0 changes no bit, the default next to nothing, and 0.01 with a "
-                 "sleep_distance_mm of a hundredth of a radius lets far more of a large bed sleep."),
+                     "Centre of the finest region along y."),
+      bed.onOrOff("sleep", &BedParameters::sleep, "Skip particles at rest until something near them moves."),
+      bed.number(
+          "sleep_speed_m_s", &BedParameters::sleep_speed_m_s, BedRanges::sleep_speed_m_s,
+          "Faster particles stay awake. 0 changes no bit; 0.01 with `sleep_distance_mm` = R/100 suits large beds."),
       {"bed", "sleep_distance_mm", "sleep_distance_m",
        NumberValue{BedRanges::sleep_distance_m.in(kMillimetres.in_si),
                    [](S& s, double v) { s.bed.sleep_distance_m = v * kMillimetres.in_si; },
                    [](const S& s) { return s.bed.sleep_distance_m / kMillimetres.in_si; }},
-       "Nor is at rest what has gone further from where it came to rest; 0: as far as it goes at sleep_speed_m_s in 20 "
-       "ms."},
+       "Particles further from their resting place stay awake; 0: 20 ms at `sleep_speed_m_s`."},
       bed.count("threads", &BedParameters::threads, BedRanges::threads,
                 "Threads that share a tick; the result is the same for any number."),
       bed.count("max_substeps", &BedParameters::max_substeps, BedRanges::max_substeps,
-                "A soil that would need more steps in a tick to be stable is refused."),
+                "A soil that needs more substeps per tick is refused."),
   };
 }
 
@@ -240,25 +234,26 @@ Keys keysOfStones() {
   const auto stones = memberKeys<S>("stones", &S::bed, &BedParameters::stones);
   return {
       stones.count("count", &StonesParameters::count, StonesRanges::count,
-                   "Stones at random places in the soil, besides each [[stone]]."),
+                   "Stones at random positions, in addition to each [[stone]]."),
       {"stones", "shape", "form",
        WordValue{{kStoneFormWords[0].name, kStoneFormWords[1].name},
                  [](S& s, std::string_view v) { s.bed.stones.form = valueOf(kStoneFormWords, v); },
                  [](const S& s) { return wordFor(kStoneFormWords, s.bed.stones.form); }},
-       "Angular rocks, or balls."},
+       "Angular rocks or spheres."},
       stones.number("smallest_mm", &StonesParameters::smallest_m, kStoneSize_m, kMillimetres,
-                    "Diameter of the ball of the smallest one's volume."),
-      stones.number("largest_mm", &StonesParameters::largest_m, kStoneSize_m, kMillimetres, "Of the largest one's."),
+                    "Smallest volume-equivalent diameter."),
+      stones.number("largest_mm", &StonesParameters::largest_m, kStoneSize_m, kMillimetres,
+                    "Largest volume-equivalent diameter."),
       stones.number("exponent", &StonesParameters::exponent, StonesRanges::exponent,
-                    "How many are larger than D goes as D to the minus this (below)."),
+                    "The number of stones larger than D is proportional to D^-exponent."),
       stones.number("shallowest_mm", &StonesParameters::shallowest_m, StonesRanges::depth_m, kMillimetres,
-                    "How deep the middle of the shallowest lies below the surface; below 0: above it."),
+                    "Smallest depth of a centre below the surface; below 0: above it."),
       stones.number("deepest_mm", &StonesParameters::deepest_m, StonesRanges::depth_m, kMillimetres,
-                    "How deep that of the deepest does."),
-      stones.count("seed", &StonesParameters::seed, StonesRanges::seed, "Seed of their sizes, shapes and places."),
-      stones.onOrOff("fixed", &StonesParameters::fixed, "Whether they stay where they are, whatever pushes them."),
+                    "Largest depth of a centre below the surface."),
+      stones.count("seed", &StonesParameters::seed, StonesRanges::seed, "Seed of sizes, shapes and positions."),
+      stones.onOrOff("fixed", &StonesParameters::fixed, "The stones never move."),
       stones.number("density_kg_m3", &StonesParameters::density_kg_m3, StonesRanges::density_kg_m3,
-                    "Of all stones, each [[stone]] too."),
+                    "Density of all stones, each [[stone]] included."),
   };
 }
 
@@ -270,11 +265,11 @@ Keys keysOfTool() {
   const auto mesh = memberKeys<S>("tool", &S::mesh);
   return {
       tool.word("shape", &ToolParameters::shape, kToolShapeWords,
-                "Shape of the tool: the shovel, a ball, a round plate that lies flat, an upright cylinder, two jaws "
-                "that open along x, or a `mesh`."),
+                "The shovel (`box`), a sphere, a flat round plate, an upright cylinder, two jaws that open along x, or "
+                "a `mesh`."),
       {"tool", "name", "",
        WordValue{namesOf(builtInTools()), [](S& s, std::string_view v) { setTool(s, v); }, kOnlyRead},
-       "A tool that the program brings along, drawn to size (below); instead of `shape` and `mesh`."},
+       "Built-in mesh; excludes `shape` and `mesh`."},
       tool.vector("size_mm", &ToolParameters::size_m, ToolRanges::length_m, kMillimetres,
                   "Edges of the `box` along its x, y and z; of each of the `jaws` along z, y and x."),
       tool.number("diameter_mm", &ToolParameters::diameter_m, ToolRanges::length_m, kMillimetres,
@@ -282,55 +277,52 @@ Keys keysOfTool() {
       tool.number("thickness_mm", &ToolParameters::thickness_m, ToolRanges::length_m, kMillimetres,
                   "Height of the `plate`."),
       tool.number("opening_mm", &ToolParameters::opening_m, ToolRanges::length_m, kMillimetres,
-                  "How far apart the `jaws` are when they are wide open; bent ones at their ends."),
+                  "Largest distance between the `jaws`; if bent, at their ends."),
       tool.number("jaw_bend_deg", &ToolParameters::jaw_bend_rad, ToolRanges::jaw_bend_rad, kDegrees,
-                  "By how much each of the `jaws` is bent to a shell that bulges outwards; 0: flat plates."),
+                  "Angle by which each of the `jaws` is bent to an outward shell; 0: flat."),
       tool.number("length_mm", &ToolParameters::length_m, ToolRanges::length_m, kMillimetres,
                   "Length of the `cylinder` along its axis."),
-      mesh.number("mesh_unit_mm", &ToolMeshSource::unit_m, kMeshUnit_m, kMillimetres,
-                  "What a 1 in an STL or OBJ file is: 1 of a file in millimetres, 25.4 of one in inches, 1000 of one "
-                  "in metres. glTF is in metres, whatever this says."),
+      mesh.number(
+          "mesh_unit_mm", &ToolMeshSource::unit_m, kMeshUnit_m, kMillimetres,
+          "Unit of an STL or OBJ file: 1 for millimetres, 25.4 for inches, 1000 for metres. glTF is in metres."),
       mesh.number("mesh_sheet_mm", &ToolMeshSource::sheet_thickness_m, kSheetThickness_m, kSheetMillimetres,
-                  "How thick a surface is that is not closed; 0: it has to be closed."),
-      mesh.vector("mesh_origin_mm", &ToolMeshSource::origin_m, ToolMeshRanges::origin_m, kMillimetres,
-                  "Which point of the mesh the hand holds, in the file's coordinates times its unit; left out: the "
-                  "middle of the box around it."),
+                  "Thickness given to an open surface; 0: the mesh must be closed."),
+      mesh.vector(
+          "mesh_origin_mm", &ToolMeshSource::origin_m, ToolMeshRanges::origin_m, kMillimetres,
+          "Point of the mesh at the tool's origin, in scaled file coordinates; default: centre of its bounding box."),
       mesh.vector("mesh_turn_deg", &ToolMeshSource::turn_rad, ToolMeshRanges::turn_rad, kDegrees,
-                  "How the mesh is turned in the hand: about x, then y, then z."),
+                  "Rotation of the mesh in the tool's frame: about x, then y, then z."),
       {"tool", "mesh", "",
        PathValue{[](S& s, const std::filesystem::path& v) {
                    readInto(s.mesh, v);
                    s.tool.shape = ToolShape::kMesh;
                  },
                  kOnlyRead},
-       "A tool that somebody drew: an .stl, .obj, .glb or .gltf file, beside the scene file. Implies `shape`."},
+       "An .stl, .obj, .glb or .gltf file, next to the scene file. Implies `shape`."},
       {"tool", "mesh_data", "",
        DataValue{[](S& s, std::string_view v) { readData(s.mesh, v); }, [](const S& s) { return dataOf(s.mesh); }},
-       "What the program writes in place of `mesh`: the file's format, a colon, and the file in base64."},
+       "Written by the program instead of `mesh`: format, colon, file in base64."},
       tool.number("stiffness_n_m", &ToolParameters::stiffness_n_m, ToolRanges::stiffness_n_m,
                   "Stiffness between tool and particle (paper 21)."),
       tool.number("damping_factor", &ToolParameters::damping_factor, ToolRanges::damping_factor,
                   "Damping between tool and particle, over half a tick times the stiffness (paper, II-E)."),
       tool.number("adhesion_ratio", &ToolParameters::adhesion_ratio, ToolRanges::adhesion_ratio,
-                  "How many radii outside the tool a particle still sticks to it (paper 21); with `paper` friction of "
-                  "the soil."),
+                  "Range of adhesion outside the tool, in radii (paper 21); `paper` soil only."),
       tool.number("friction", &ToolParameters::friction, ToolRanges::friction,
-                  "Friction between soil and tool, tan(delta); with `contact` friction of the soil."),
-      tool.number(
-          "adhesion_n", &ToolParameters::adhesion_n, ToolRanges::adhesion_n,
-          "Largest pull of a contact with the tool, and what it adds to the normal force; with `contact` friction."),
-      tool.number(
-          "mass_kg", &ToolParameters::mass_kg, ToolRanges::mass_kg,
-          "Mass of the tool that the hand feels as its weight, and with a virtual coupling as its inertia; 0: none."),
+                  "Friction coefficient between soil and tool, tan(delta); `contact` soil only."),
+      tool.number("adhesion_n", &ToolParameters::adhesion_n, ToolRanges::adhesion_n,
+                  "Pull-off force of a contact with the tool, added to its normal force; `contact` soil only."),
+      tool.number("mass_kg", &ToolParameters::mass_kg, ToolRanges::mass_kg,
+                  "Mass rendered as weight and, with a virtual coupling, as inertia; 0: none."),
       tool.vector("centre_of_mass_mm", &ToolParameters::centre_of_mass_m, ToolRanges::centre_of_mass_m, kMillimetres,
-                  "Where that mass has its centre, from the tool's origin, in the tool's frame."),
+                  "Centre of that mass from the tool's origin, tool's frame."),
   };
 }
 
 Keys keysOfHand() {
   const auto hand = memberKeys<S>("hand", &S::hand);
   return {
-      hand.word("manoeuvre", &HandParameters::manoeuvre, kManoeuvreWords, "What the hand does, over and over."),
+      hand.word("manoeuvre", &HandParameters::manoeuvre, kManoeuvreWords, "Motion that the hand repeats."),
       {"hand", "poses", "poses",
        PathValue{[](S& s, const std::filesystem::path& v) {
                    s.hand.poses_file = v.string();
@@ -340,29 +332,29 @@ Keys keysOfHand() {
                    return s.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(s.hand.poses_file)
                                                                 : std::filesystem::path();
                  }},
-       "A recorded movement: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, beside the scene file. Implies `manoeuvre`."},
+       "Recorded motion: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, next to the scene file. Implies `manoeuvre`."},
       hand.word("compliance", &HandParameters::compliance, kHandComplianceWords,
-                "Whether the hand yields to force like an arm or follows the manoeuvre whatever it feels."),
-      hand.number("mass_kg", &HandParameters::mass_kg, HandRanges::mass_kg, "Mass of the arm as the hand feels it."),
+                "Yield to force as an arm, or follow the motion exactly."),
+      hand.number("mass_kg", &HandParameters::mass_kg, HandRanges::mass_kg, "Mass of the arm at the hand."),
       hand.number("damping_n_s_m", &HandParameters::damping_n_s_m, HandRanges::damping_n_s_m, "Damping of the arm."),
       hand.number("stiffness_n_m", &HandParameters::stiffness_n_m, HandRanges::stiffness_n_m, "Stiffness of the arm."),
       hand.number("lever_mm", &HandParameters::lever_m, HandRanges::lever_m, kMillimetres,
-                  "Turns the arm's mass, damping and stiffness into those of its rotation: times lever squared."),
+                  "Lever; rotational mass, damping and stiffness are the above times its square."),
       hand.number("period_s", &HandParameters::period_s, HandRanges::period_s, "Duration of one manoeuvre."),
       hand.number("active_s", &HandParameters::active_s, HandRanges::active_s,
                   "After this time the hand leaves the soil and waits above it."),
       hand.vector("home_mm", &HandParameters::home_m, HandRanges::home_m, kMillimetres,
-                  "Where the manoeuvre starts and ends: x and y in the scene, z above the surface."),
+                  "Start and end of the manoeuvre: x and y in the scene, z above the surface."),
       hand.number("depth_mm", &HandParameters::depth_m, HandRanges::depth_m, kMillimetres,
-                  "How far below the surface the tool's centre goes."),
+                  "Depth of the tool's centre below the surface."),
       hand.number("surface_mm", &HandParameters::surface_m, HandRanges::surface_m, kMillimetres,
-                  "Height of the soil's surface over the floor, as the hand takes it; left out, it is measured."),
+                  "Height of the surface over the floor that the hand assumes; default: the bed's."),
       hand.number("reach_mm", &HandParameters::reach_m, HandRanges::reach_m, kMillimetres,
-                  "How far to the sides the tool's centre goes."),
+                  "Lateral travel of the tool's centre."),
       hand.number("max_force_n", &HandParameters::max_force_n, HandRanges::max_force_n,
-                  "Largest force the device shows."),
+                  "Largest force of the simulated device."),
       hand.number("max_torque_nm", &HandParameters::max_torque_nm, HandRanges::max_torque_nm,
-                  "Largest torque the device shows, N m."),
+                  "Largest torque of the simulated device, N m."),
   };
 }
 
@@ -373,39 +365,33 @@ Keys keysOfLoop() {
   return {
       loop.number("duration_s", &LoopParameters::duration_s, LoopRanges::duration_s,
                   "Simulated time; 0 runs until stopped."),
-      loop.onOrOff("paced", &LoopParameters::paced,
-                   "Whether a simulated second takes a second, or as little as it can."),
+      loop.onOrOff("paced", &LoopParameters::paced, "Run in real time, or as fast as possible."),
       loop.number("filter_cutoff_hz", &LoopParameters::filter_cutoff_hz, LoopRanges::filter_cutoff_hz,
                   "Cutoff of the low-pass filter of force and torque (paper, II-E)."),
-      loop.count("cpu", &LoopParameters::cpu, LoopRanges::cpu,
-                 "The only CPU that the loop's thread runs on; -1 leaves it to the system."),
+      loop.count("cpu", &LoopParameters::cpu, LoopRanges::cpu, "The only CPU of the loop's thread; -1: any."),
 
       device.word("kind", &DeviceParameters::kind, kDeviceWords,
-                  "What the hand holds (devices.md); [hand] moves the virtual hand, a person the others."),
-      device.text("id", &DeviceParameters::id,
-                  "Which one, where there are several: as `haptolith devices` names them."),
+                  "Type of device (devices.md); [hand] moves the virtual hand only."),
+      device.text("id", &DeviceParameters::id, "Device among several, as `haptolith devices` names it."),
       device.text("address", &DeviceParameters::address,
                   "Where `network` listens [127.0.0.1:9050], or the service of `inverse3` is [ws://localhost:10001]."),
       device.number("delay_ms", &DeviceParameters::delay_s, DeviceRanges::delay_s, kMilliseconds,
-                    "How much later than the next millisecond a force acts on what the device reports, as measured; "
-                    "left out: what the driver assumes."),
+                    "Measured latency from position to force, beyond the next millisecond; default: the driver's."),
       device.number("resolution_mm", &DeviceParameters::resolution_m, DeviceRanges::resolution_m, kMillimetres,
-                    "Steps or noise of the positions it reports, whichever is larger, as measured; left out: what the "
-                    "driver assumes."),
+                    "Measured step or noise of positions, whichever is larger; default: the driver's."),
 
       mapping.vector("offset_mm", &MappingParameters::offset_m, MappingRanges::offset_m, kMillimetres,
-                     "Where the middle of the device's workspace lies: x and y in the scene, z above the surface."),
+                     "Centre of the device's workspace: x and y in the scene, z above the surface."),
       mapping.vector("turn_deg", &MappingParameters::turn_rad, MappingRanges::turn_rad, kDegrees,
-                     "Turns what is right, away and up for a person at the device from the scene's x, y and z: about "
-                     "its x, then y, then z."),
+                     "Rotation of the user's frame (right, away, up) into the scene's: about x, then y, then z."),
       mapping.number("scale", &MappingParameters::scale, MappingRanges::scale,
-                     "Metres in the scene for a metre at the device."),
+                     "Metres in the scene per metre at the device."),
       mapping.number("force_scale", &MappingParameters::force_scale, MappingRanges::force_scale,
-                     "Newtons at the hand for a newton on the tool."),
+                     "Newtons at the device per newton on the tool."),
       mapping.count("clutch_button", &MappingParameters::clutch_button, MappingRanges::clutch_button,
-                    "While this button is down the tool stays where it is and the hand feels nothing; -1: none."),
+                    "While pressed, the tool stays and the force is zero; -1: none."),
       mapping.onOrOff("gripper", &MappingParameters::gripper,
-                      "Whether the gripper opens and closes the tool's jaws, where both have some."),
+                      "The gripper opens and closes the tool's jaws, where both exist."),
   };
 }
 
@@ -416,46 +402,47 @@ Keys keysOfHandling() {
   const auto safety = memberKeys<S>("safety", &S::handling, &HandlingParameters::safety);
   return {
       coupling.word("kind", &CouplingParameters::kind, kCouplingWords,
-                    "The tool is where the hand is, as in the paper; or a spring and a damper pull it there; `auto`: "
-                    "direct where the device shows force at most 1 ms late and reports positions to 0.02 mm."),
+                    "Tool at the handle (direct, as in the paper), or pulled by a spring and a damper (virtual); "
+                    "`auto`: direct where the device renders force at most 1 ms late and resolves 0.02 mm."),
       spring.number("stiffness_n_m", &ArmParameters::stiffness_n_m, CouplingRanges::stiffness_n_m,
-                    "Stiffness of the spring; this and the rest for `virtual`."),
+                    "Stiffness of the spring; this and the rest: `virtual` only."),
       spring.number("damping_n_s_m", &ArmParameters::damping_n_s_m, CouplingRanges::damping_n_s_m,
                     "Damping of the damper."),
       spring.number("mass_kg", &ArmParameters::mass_kg, CouplingRanges::mass_kg,
-                    "Mass that the tool has then; enough for a tick to follow spring and damper."),
+                    "Mass of the tool; large enough for a tick to resolve spring and damper."),
       spring.number("lever_mm", &ArmParameters::lever_m, CouplingRanges::lever_m, kMillimetres,
-                    "Turns mass, damping and stiffness into those of its rotation: times lever squared."),
+                    "Lever; rotational mass, damping and stiffness are the above times its square."),
       coupling.number("max_force_n", &CouplingParameters::max_force_n, CouplingRanges::max_force_n,
-                      "The spring pulls no harder, and turns no harder than this times the lever."),
+                      "Force limit of the spring; its torque limit is this times the lever."),
 
       safety.number(
           "soft_start_s", &SafetyParameters::soft_start_s, SafetyRanges::soft_start_s,
-          "Forces grow from nothing in this time, at first and after every interruption; not at a simulated hand."),
+          "Time in which forces rise from zero, at first and after each interruption; not for the virtual hand."),
       safety.number("soft_stop_s", &SafetyParameters::soft_stop_s, SafetyRanges::soft_stop_s,
-                    "Forces fall to nothing in this time when a run ends in good order; not at a simulated hand."),
+                    "Time in which forces fall to zero at a regular end; not for the virtual hand."),
       safety.count("most_misses", &SafetyParameters::most_misses, SafetyRanges::most_misses,
-                   "Deadlines missed in a row that are borne before the hand is let go; not at a simulated hand."),
+                   "Consecutive missed deadlines before a safety trip; not for the virtual hand."),
       safety.number("heartbeat_ms", &SafetyParameters::heartbeat_s, SafetyRanges::heartbeat_s, kMilliseconds,
-                    "Without a tick for so long the hand is let go from outside the loop; not at a simulated hand."),
+                    "Time without a tick until the watchdog trips; not for the virtual hand."),
       safety.number("calm_s", &SafetyParameters::calm_s, SafetyRanges::calm_s,
-                    "All must have been well for so long before forces come back."),
-      safety.onOrOff("passivity", &SafetyParameters::passivity, "Whether energy that soil could not give is damped."),
+                    "Time without a fault before forces return."),
+      safety.onOrOff("passivity", &SafetyParameters::passivity,
+                     "Damp energy that soil cannot supply (passivity control)."),
       {"safety", "max_force_n", "max_force_n",
        NumberValue{SafetyRanges::max_force_n, [](S& s, double v) { s.handling.safety.max_force_n = v; },
                    [](const S& s) { return limitOrLeftOut(s.handling.safety.max_force_n); }},
-       "Largest force at the hand; left out: what the device declares."},
+       "Largest force at the hand; default: the device's limit."},
       {"safety", "max_torque_nm", "max_torque_nm",
        NumberValue{SafetyRanges::max_torque_nm, [](S& s, double v) { s.handling.safety.max_torque_nm = v; },
                    [](const S& s) { return limitOrLeftOut(s.handling.safety.max_torque_nm); }},
-       "Largest torque at the hand; left out: what the device declares, N m."},
+       "Largest torque at the hand, N m; default: the device's limit."},
   };
 }
 
 Keys allKeys() {
   const auto scene = memberKeys<S>("");
   Keys keys{
-      scene.text("title", &S::title, "What the scene shows, in a line."),
+      scene.text("title", &S::title, "One line that describes the scene."),
   };
   for (const auto& table :
        {keysOfSoil, keysOfWorld, keysOfBed, keysOfStones, keysOfTool, keysOfHand, keysOfLoop, keysOfHandling}) {

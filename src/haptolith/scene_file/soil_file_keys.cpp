@@ -18,19 +18,19 @@ std::vector<SoilFileKey> allSoilFileKeys() {
   const auto target = memberKeys<SoilFile>("target", &SoilFile::target);
   const auto reached = memberKeys<SoilFile>("reached", &SoilFile::reached);
   std::vector<SoilFileKey> keys{
-      file.text("name", &SoilFile::name, "What the soil is called."),
-      file.text("source", &SoilFile::source, "Where the measured values come from; may be left out.", TextSize::kPage),
+      file.text("name", &SoilFile::name, "Name of the soil."),
+      file.text("source", &SoilFile::source, "Source of the measured values; optional.", TextSize::kPage),
 
       target.number("bulk_density_kg_m3", &Target::bulk_density_kg_m3, Ranges::bulk_density_kg_m3, "Bulk density."),
       target.number("friction_angle_deg", &Target::friction_angle_deg, Ranges::friction_angle_deg,
                     "Angle of internal friction."),
       target.interval("friction_angle_range_deg", &Target::friction_angle_range_deg, Ranges::friction_angle_deg,
-                      "Its uncertainty as the source gives it; may be left out."),
+                      "Its uncertainty in the source; optional."),
       target.number("cohesion_pa", &Target::cohesion_pa, Ranges::cohesion_pa, "Cohesion."),
       target.interval("cohesion_range_pa", &Target::cohesion_range_pa, Ranges::cohesion_pa,
-                      "Its uncertainty as the source gives it; may be left out."),
+                      "Its uncertainty in the source; optional."),
       target.word("strength", &Target::strength, kSoilStrengthWords,
-                  "Which strength the target is: after long shearing, or the greatest; left out: `residual`."),
+                  "Strength after long shearing, or the maximum; default: `residual`."),
 
       reached.number("friction_angle_deg", &Reached::friction_angle_deg, Ranges::friction_angle_deg,
                      "Angle of internal friction, mean over the seeds."),
@@ -42,7 +42,7 @@ std::vector<SoilFileKey> allSoilFileKeys() {
       reached.number("cohesion_sd_pa", &Reached::cohesion_sd_pa, Ranges::cohesion_pa, "Its standard deviation."),
       reached.number("bulk_density_kg_m3", &Reached::bulk_density_kg_m3, Ranges::bulk_density_kg_m3,
                      "Bulk density, mean over the seeds."),
-      reached.count("seeds", &Reached::seeds, {1, 1e6}, "Number of beds, each from another seed."),
+      reached.count("seeds", &Reached::seeds, {1, 1e6}, "Number of beds, one per seed."),
   };
   keys[0].parameter = keys[0].name;
   keys[1].parameter = keys[1].name;

@@ -45,21 +45,19 @@ std::vector<StoneKey> allStoneKeys() {
   using Stone = PlacedStone;
   const auto stone = memberKeys<Stone>("");
   std::vector<StoneKey> keys{
-      stone.word("shape", &Stone::form, kStoneFormWords,
-                 "An angular rock, a ball, or the `spheres_mm` that it is made of."),
+      stone.word("shape", &Stone::form, kStoneFormWords, "Angular rock, sphere, or union of `spheres_mm`."),
       stone.number("size_mm", &Stone::size_m, kStoneSize_m, kMillimetres,
-                   "Diameter of the ball of its volume; not for `spheres`."),
-      stone.count("seed", &Stone::seed, StonesRanges::seed, "One seed, one rock."),
+                   "Volume-equivalent diameter; not for `spheres`."),
+      stone.count("seed", &Stone::seed, StonesRanges::seed, "One seed gives one rock."),
       {"", "spheres_mm", "spheres",
        StoneKey::ItemsValue{"x, y, z and radius of each sphere, one after the other", setSpheres},
-       "The spheres of a stone of your own, wherever its middle is."},
-      stone.number("x_mm", &Stone::x_m, StonesRanges::place_m, kMillimetres, "Where its middle is along x."),
-      stone.number("y_mm", &Stone::y_m, StonesRanges::place_m, kMillimetres, "Where its middle is along y."),
+       "Spheres that form the stone, about any origin."},
+      stone.number("x_mm", &Stone::x_m, StonesRanges::place_m, kMillimetres, "Centre along x."),
+      stone.number("y_mm", &Stone::y_m, StonesRanges::place_m, kMillimetres, "Centre along y."),
       stone.number("depth_mm", &Stone::depth_m, StonesRanges::depth_m, kMillimetres,
-                   "How deep its middle lies below the surface; below 0 it begins above it, and falls."),
-      stone.vector("turn_deg", &Stone::turn_rad, StonesRanges::turn_rad, kDegrees,
-                   "How it is turned: about x first, then y, then z."),
-      stone.onOrOff("fixed", &Stone::fixed, "Whether it stays where it is, whatever pushes it, as bedrock does."),
+                   "Depth of the centre below the surface; below 0 the stone falls from above it."),
+      stone.vector("turn_deg", &Stone::turn_rad, StonesRanges::turn_rad, kDegrees, "Rotation about x, then y, then z."),
+      stone.onOrOff("fixed", &Stone::fixed, "The stone never moves, as bedrock."),
   };
   keys.front().parameter = "form";
   return keys;

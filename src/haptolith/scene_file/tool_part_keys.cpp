@@ -18,17 +18,16 @@ constexpr KeyName kPart{"", "tool_part"};
 std::vector<ToolPartKey> allPartKeys() {
   const auto part = memberKeys<ToolPart>("");
   std::vector<ToolPartKey> keys{
-      part.word("shape", &ToolPart::form, kToolPartWords, "A box, a ball or an upright cylinder."),
+      part.word("shape", &ToolPart::form, kToolPartWords, "Box, sphere or upright cylinder."),
       part.vector("size_mm", &ToolPart::size_m, ToolPartRanges::length_m, kMillimetres,
                   "Edges of the `box` along its x, y and z."),
       part.number("diameter_mm", &ToolPart::diameter_m, ToolPartRanges::length_m, kMillimetres,
                   "Diameter of the `sphere` or `cylinder`."),
       part.number("length_mm", &ToolPart::length_m, ToolPartRanges::length_m, kMillimetres,
                   "Length of the `cylinder` along its z."),
-      part.vector("at_mm", &ToolPart::at_m, ToolPartRanges::at_m, kMillimetres,
-                  "Where its middle is, from the point that the hand holds."),
+      part.vector("at_mm", &ToolPart::at_m, ToolPartRanges::at_m, kMillimetres, "Centre from the tool's origin."),
       part.vector("turn_deg", &ToolPart::turn_rad, ToolPartRanges::turn_rad, kDegrees,
-                  "How it is turned about its middle: about x first, then y, then z."),
+                  "Rotation about its centre: about x, then y, then z."),
   };
   keys.front().parameter = "form";
   return keys;

@@ -11,7 +11,7 @@ inline constexpr double kLunarLawDepthM = 0.6;
 ///
 ///     rho(z) = 1270 + 121 ln(100 z + 1)                  (paper 1)
 ///
-/// The paper prints kappa = 0.121, which is the g/cm^3 value; see docs/explanation/equations.md.
+/// The paper prints kappa = 0.121, which is the g/cm^3 value; see docs/contributing/equations.md.
 /// @param depth_m  z, depth below the surface, in m; 0 <= z <= 0.6.
 /// @throws InvalidParameter outside that range.
 [[nodiscard]] double lunarBulkDensity(double depth_m);

@@ -13,7 +13,8 @@ struct Preset {
   std::string_view name;
   double friction_coefficient = 0;  ///< mu the paper wants from this set; mu_hat = mu / sqrt(6) up to rounding
   SoilParameters soil;              ///< R = 7 mm, k = 100 N/m
-  /// Table I, in the order of measuredBands(), kg/m^3. The equations give 11 to 26 less: docs/explanation/equations.md.
+  /// Table I, in the order of measuredBands(), kg/m^3. The equations give 11 to 26 less:
+  /// docs/contributing/equations.md.
   std::array<double, 4> table1_density_kg_m3{};
 };
 

@@ -67,7 +67,7 @@ struct SoilNumber {
   int radius_power;          ///< rescaled() multiplies it by the ratio of radii to this power
   int tile_place;            ///< in the key of kept tiles (bed/start/tile_cache.h); a new number takes the next place
   int training_place;        ///< in a run of a training (identify/training); 0: not part of it
-  std::string_view meaning;  ///< one sentence for docs/reference/scenes.md
+  std::string_view meaning;  ///< one sentence for docs/reference/scene-keys-soil.md
   SoilControl control = {};
 
   [[nodiscard]] constexpr bool isUsedBy(FrictionModel friction) const { return !model || *model == friction; }
@@ -92,37 +92,36 @@ inline constexpr std::array kSoilNumbers = [] {
   };
   return std::array{
       row("radius_m", &S::radius_m, {1e-5, 1}, {}, kRequired, kNever, 1, 1, 1,
-          "Radius of a macroparticle; `gamma_nm`, `stiffness_n_m` and `contact_cohesion_n` follow unless they are "
-          "given too."),
+          "Particle radius R; `gamma_nm`, `stiffness_n_m` and `contact_cohesion_n` rescale with it unless given."),
       row("gamma_nm", &S::gamma_nm, {0, Range{}.highest, Ends::kOpen}, {}, kDefining, kFree, 3, 2, 3,
-          "Strength of the contact law (paper 7), N m."),
+          "Strength gamma of the contact law (paper 7), N m."),
       row("rho0_kg_m3", &S::rho0_kg_m3, {0, 1e5, Ends::kOpenBelow}, {}, kDefining, kNever, 0, 3, 5,
           "Bulk density at the surface."),
       row("rho_max_kg_m3", &S::rho_max_kg_m3, {0, 1e6, Ends::kOpenBelow}, {}, kDefining, kFree, 0, 4, 0,
-          "Bulk density that no load exceeds (paper 8); more than `rho0_kg_m3`."),
+          "Bulk density that no load exceeds (paper 8); above `rho0_kg_m3`."),
       row("stiffness_n_m", &S::stiffness_n_m, {0, Range{}.highest, Ends::kOpen}, {}, kRequired, kFree, 1, 6, 2,
           "Limiting stiffness k of a contact (paper 7)."),
-      row("mu_hat", &S::mu_hat, {0, 10}, kPaper, kDefining, kFree, 0, 5, 0, "Model friction (paper 14); for `paper`."),
+      row("mu_hat", &S::mu_hat, {0, 10}, kPaper, kDefining, kFree, 0, 5, 0, "Model friction (paper 14); `paper` only."),
       row("attraction_ratio", &S::attraction_ratio, {1, 2}, kPaper, kUsual, kFree, 0, 7, 0,
-          "Reach of attraction over radius (paper 19); 1 switches attraction off; for `paper`."),
+          "Range of attraction over radius (paper 19); 1: no attraction; `paper` only."),
       row("moving_friction_ratio", &S::moving_friction_ratio, {0, 1}, kPaper, kUsual, kFree, 0, 8, 0,
-          "Moving over static friction (paper 14); for `paper`."),
+          "Moving over static friction (paper 14); `paper` only."),
       row("contact_friction", &S::contact_friction, {0, 10}, kContact, kDefining, kFree, 0, 9, 6,
-          "Coulomb friction of a contact; for `contact`.",
+          "Coulomb friction coefficient of a contact; `contact` only.",
           {"contact_friction", "contact friction", "", "friction of a contact",
            "Friction of a contact; for `contact` friction.", 1, 2}),
       row("contact_cohesion_n", &S::contact_cohesion_n, {0, 1e6}, kContact, kDefining, kFree, 2, 10, 7,
-          "Largest pull of a contact, and what it adds to the normal force; for `contact`.",
+          "Pull-off force of a contact, added to its normal force; `contact` only.",
           {"contact_cohesion_mn", "contact cohesion", "mN", "cohesion of a contact (mN)",
            "Largest pull of a contact; for `contact` friction.", 1e-3, 10}),
       row("cohesion_range_ratio", &S::cohesion_range_ratio, {0.001, 0.5}, kContact, kUsual, kFree, 0, 11, 10,
-          "How many radii apart two particles still cohere; for `contact`."),
+          "Gap, in radii, up to which particles cohere; `contact` only."),
       row("tangential_ratio", &S::tangential_ratio, {0.01, 1}, kContact, kUsual, kFree, 0, 12, 9,
-          "Tangential over normal stiffness of a contact; for `contact`."),
+          "Tangential over normal stiffness of a contact; `contact` only."),
       row("damping_ratio", &S::damping_ratio, {0, 0.5}, kContact, kUsual, kNotLarger, 0, 14, 4,
-          "Damping of a pair that bounces, over critical damping; for `contact`."),
+          "Damping of a colliding pair over critical damping; `contact` only."),
       row("size_spread", &S::size_spread, {0, 0.3}, kContact, kUsual, kNever, 0, 13, 8,
-          "Radii lie evenly between (1 - spread) and (1 + spread) times the radius; for `contact`."),
+          "Radii are uniform between (1 - spread) R and (1 + spread) R; `contact` only."),
   };
 }();
 static_assert(sizeof(SoilParameters) == (kSoilNumbers.size() + 1) * sizeof(double), "a number without a row");
@@ -150,6 +149,6 @@ struct SoilAdjustment {
 [[nodiscard]] double macroparticleMass(const SoilParameters& soil);
 
 /// Returns the soil made of particles of another radius: stress at equal relative overlap stays, so
-/// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2: SoilNumber::radius_power. See docs/explanation/equations.md.
+/// gamma ~ R^3, k ~ R (and m ~ R^3), F_c ~ R^2: SoilNumber::radius_power. See docs/contributing/equations.md.
 [[nodiscard]] SoilParameters rescaled(SoilParameters soil, double radius_m);
 }  // namespace haptolith

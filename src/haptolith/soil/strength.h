@@ -42,7 +42,7 @@ inline constexpr double kCompactedDensity = 1967;
 ///     C = 6 sqrt(3) mu_hat F(a_1) / a_1^2                  (paper 18)
 ///
 /// F is the law (paper 7) with infinite k, whatever the soil's k. A bed of such particles does not show this cohesion
-/// when it is sheared: see docs/explanation/equations.md.
+/// when it is sheared: see docs/contributing/equations.md.
 /// @throws InvalidParameter as compactedDistance().
 [[nodiscard]] double cohesion(const SoilParameters& soil);
 

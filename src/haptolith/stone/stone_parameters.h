@@ -34,7 +34,7 @@ struct PlacedStone {
 /// Stones in a bed: a number of random sizes at random places, and placed ones.
 ///
 /// The number of random ones larger than D is proportional to D^-exponent between the smallest and the largest, as
-/// counts of stones on the Moon do (docs/reference/scenes.md).
+/// counts of stones on the Moon do (docs/reference/scene-keys-tool.md).
 struct StonesParameters {
   int count = 0;
   StoneForm form = StoneForm::kRock;  ///< not kSpheres
