@@ -41,6 +41,8 @@ def main() -> None:
                 faults.append(f"{page.relative_to(SOURCE)}: {match[1]}: shows {match[2]}, docs/results.toml has {values[match[1]]}: run docs/make/results.py")
             return f"<!--={match[1]}-->{values[match[1]]}<!--/-->"
 
+        faults += [f"{page.relative_to(SOURCE)}:{number}: a line that begins with a number's comment is raw HTML in the manual"
+                   for number, line in enumerate(text.splitlines(), 1) if line.startswith("<!--=")]
         new = re.sub(r"<!--=([\w.-]+)-->(.*?)<!--/-->", replaced, text)
         if new != text and not check:
             page.write_text(new)
