@@ -105,6 +105,18 @@ TEST_F(MachineFitHere, IsMeasuredOnceAndAgainWhereTheFileIsBroken) {
   EXPECT_EQ(measured_, 3) << "the broken file has been replaced";
 }
 
+TEST_F(MachineFitHere, ChangesTheRadiusInATitleThatNamesIt) {
+  scene_file_ = findSceneFile(kAutoScene);
+  scene_file_.bed.soil.radius_m = 9.9e-3;
+  scene_file_.title = sceneInWords(scene_file_);
+  const FinestGrain finest = fitToMachine(scene_file_, {.threads = 1, .folder = folder_}, stop_);
+  EXPECT_NE(finest.chosen.radius_m, 9.9e-3);
+  EXPECT_EQ(scene_file_.title, sceneInWords(scene_file_));
+  scene_file_.title = "my soil";
+  (void)fitToMachine(scene_file_, {.threads = 1, .folder = folder_}, stop_);
+  EXPECT_EQ(scene_file_.title, "my soil");
+}
+
 TEST_F(MachineFitHere, ThatIsInterruptedIsNotKept) {
   stop_ = true;
   EXPECT_THROW((void)fit(), Failure);

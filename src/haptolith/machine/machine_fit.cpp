@@ -180,7 +180,11 @@ FinestGrain fitToMachine(SceneFile& scene_file, const MachineFitOptions& options
       keep(file, keptText(*finest, key));
     }
   }
+  const std::string before = sceneInWords(scene_file);
   scene_file.bed.soil = rescaled(scene_file.bed.soil, finest->chosen.radius_m);
+  if (scene_file.title == before) {  // names the radius
+    retitle(scene_file, before);
+  }
   scene_file.bed.threads = finest->chosen.threads;
   makeToolMesh(scene_file);
   return *finest;
