@@ -1,4 +1,4 @@
-/* Packets between an operator and a robot, for programs that take the place of either: docs/reference/teleop-packets.md.
+/* Packets between an operator and a robot, for programs that replace either: docs/reference/teleop-packets.md.
  *
  * UDP, little-endian, IEEE 754 numbers. Lengths in m, forces in N, in the site frame: its origin in the middle of the
  * soil's first surface, z up. What stands here needs no library; structures lie in memory as packets do on the wire, on
