@@ -6,7 +6,7 @@
 
 It follows commands by their number, stands still when none comes, and tells a force: that of level ground which pushes back
 with 500 N/m below the site's zero. Replace drive(), measure() and look() by your arm, your force sensor and your camera; without
-a camera leave look() away. The packets are those of docs/how-to/teleoperate.md and include/haptolith/teleop.h. Nothing but Python's standard library is needed.
+a camera leave look() away. The packets are those of docs/reference/teleop-packets.md and include/haptolith/teleop.h. Nothing but Python's standard library is needed.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-/* Packets between an operator and a robot, for programs that take the place of either: docs/how-to/teleoperate.md.
+/* Packets between an operator and a robot, for programs that replace either: docs/reference/teleop-packets.md.
  *
  * UDP, little-endian, IEEE 754 numbers. Lengths in m, forces in N, in the site frame: its origin at the centre of the
 * soil's first surface, z up. This header needs no library; structures have in memory the layout of packets on the wire, on

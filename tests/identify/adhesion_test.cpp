@@ -29,7 +29,7 @@ double errorOverSpread(const Eigen::MatrixXd& rows, const Eigen::VectorXd& truth
   return std::sqrt(squares / spread);
 }
 
-// docs/how-to/identify-a-soil.md: even where a soil's strength is known, its forces, and those while the pressed plate
+// docs/reports/identification.md: even where a soil's strength is known, its forces, and those while the pressed plate
 // is lifted, do not determine the adhesion to the tool as a fraction of its cohesion; the same regression estimates
 // friction on the tool.
 TEST(Adhesion, IsNotToldByForcesOfTheProbe) {
@@ -60,7 +60,7 @@ TEST(Adhesion, IsNotToldByForcesOfTheProbe) {
   for (const double lambda : {1.0, 10.0, 50.0, 300.0}) {
     const double error = errorOverSpread(rows, share, lambda);
     EXPECT_GT(error, 1) << "lambda " << lambda
-                        << ": it is better told than by its mean; docs/how-to/identify-a-soil.md says not";
+                        << ": it is better told than by its mean; docs/reports/identification.md says not";
     EXPECT_LT(error, 1.6) << lambda;
   }
   EXPECT_LT(errorOverSpread(rows.leftCols(numbers), friction, 10), 0.7);

@@ -221,7 +221,7 @@ TEST(TeleopSimulation, AModelsSurfaceIsMendedWhileTheToolIsInTheAir) {
   const TeleopResult mended = simulateTeleop(setup);
   EXPECT_EQ(left.mended, 0U);
   EXPECT_GT(mended.mended, 0U);
-  // docs/how-to/teleoperate.md has finer grains, whose surfaces come nearer.
+  // docs/reports/teleop-bench.md has finer particles, whose surfaces differ less.
   EXPECT_LT(mended.apart_surface_m, left.apart_surface_m + 0.005) << "half the radius of a grain, which is rough";
   EXPECT_LE(mended.given_j, 1e-3);
 }

@@ -25,7 +25,7 @@ constexpr const char* kIdentifyCheckExamples = R"(Examples:
   haptolith identify check --out hidden.json               50 soils: an hour of two processors
   haptolith identify check --out hidden.json --resume      goes on, or tells once more what came of them
 
-docs/how-to/identify-a-soil.md has what came of the built-in training.)";
+docs/reports/identification.md has the results of the built-in training.)";
 
 struct CheckOptions {
   SoilsOptions soils;

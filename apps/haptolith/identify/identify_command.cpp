@@ -14,7 +14,7 @@ constexpr const char* kIdentifyExamples = R"(Examples:
   haptolith identify next first.csv --out second.csv  which part of the probe would tell the most after that
   haptolith identify train --poses mine.csv --scene mine.toml --out mine.json    another movement, another tool
 
-docs/how-to/identify-a-soil.md tells what can be known from forces, and how well.)";
+Guide: docs/how-to/identify-a-soil.md. Results: docs/reports/identification.md.)";
 
 }  // namespace
 

@@ -23,7 +23,7 @@ constexpr const char* kIdentifyDensityExamples = R"(Examples:
   haptolith identify density weighed.csv --empty-s 0,2 --full-s 8,10 --volume-cm3 44,3
   haptolith identify density weighed.csv --empty-s 0,2 --full-s 8,10 --empty-again-s 14,16 --volume-cm3 44,3
 
-docs/how-to/identify-a-soil.md tells what the numbers are worth.)";
+Results: docs/reports/identification.md.)";
 
 constexpr double kCm3 = 1e-6;  // in m^3
 

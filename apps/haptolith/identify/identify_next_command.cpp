@@ -33,7 +33,7 @@ constexpr const char* kIdentifyNextExamples = R"(Examples:
   haptolith identify next measured.csv --out second.csv            what to do after that
   haptolith identify next first.csv second.csv --wanted 10,400,14
 
-docs/how-to/identify-a-soil.md tells how it is chosen, and how much sooner soil is told.)";
+docs/reports/identification.md compares the order with others.)";
 
 struct NextOptions {
   MeasuredOptions measured;

@@ -25,7 +25,7 @@ constexpr const char* kIdentifySoilExamples = R"(Examples:
   haptolith identify soil press.csv cut.csv                 parts of the probe, in whatever order
   haptolith identify soil trace.csv --origin-mm 0,0,70 --soil-out found.toml && haptolith run dig --set soil.file=found.toml
 
-docs/how-to/identify-a-soil.md tells what the table has to hold, and what the numbers are worth.)";
+Table: docs/how-to/identify-a-soil.md. Results: docs/reports/identification.md.)";
 
 struct SoilOptions {
   MeasuredOptions measured;

@@ -20,7 +20,7 @@ constexpr const char* kIdentifyTrainExamples = R"(Examples:
   haptolith identify train --poses mine.csv --scene mine.toml --out mine.json
   haptolith identify train --out probe.json --soils 200 --resume             goes on, with more soils
 
-Every soil takes about a minute of one processor; fewer than 100 tell little. docs/how-to/identify-a-soil.md tells what is learned.)";
+Every soil takes about a minute of one processor; fewer than 100 tell little. docs/reports/identification.md describes the training.)";
 
 void train(const SoilsOptions& options) {
   Training training = dugSoils(options, trainingNumber);

@@ -51,7 +51,7 @@ constexpr const char* kTeleopBenchExamples = R"(Examples:
                                                            less is chance in the forces; some minutes for each run
   haptolith teleop bench --site dig --set soil.radius_mm=5                 the robot's soil, or the model's, another one
 
-docs/how-to/teleoperate.md tells what was found, and how the numbers are meant.)";
+Results and terms: docs/reports/teleop-bench.md.)";
 
 constexpr double kBenchMm = 1e-3;
 constexpr double kMillijoule = 1e-3;

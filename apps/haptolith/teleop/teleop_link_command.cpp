@@ -152,7 +152,7 @@ void addTeleopCommand(CLI::App& app) {
       "  haptolith teleop remote\n"
       "  haptolith teleop link --profile earth-moon --to 127.0.0.1:7410\n"
       "  haptolith teleop operator --to 127.0.0.1:7400\n"
-      "Every command explains itself with --help; docs/how-to/teleoperate.md tells the whole story.");
+      "Every command explains itself with --help; guide: docs/how-to/teleoperate.md.");
   addLink(*teleop);
   addTeleopRemote(*teleop);
   addTeleopRos2(*teleop);

@@ -35,8 +35,8 @@ constexpr const char* kTeleopRemoteExamples = R"(Examples:
   haptolith teleop remote regolith --max-force-n 20
   haptolith teleop remote --listen 0.0.0.0:7410 --key-file teleop.key     openssl rand -hex 32 > teleop.key
 
-A robot of your own takes its place with the packets of docs/how-to/teleoperate.md: include/haptolith/teleop.h for C, and
-examples/teleop_robot.py.)";
+Your robot replaces it with the packets of docs/reference/teleop-packets.md: include/haptolith/teleop.h
+for C, examples/teleop_robot.py in Python.)";
 
 struct RemoteOptions {
   std::string site = "dig-site";

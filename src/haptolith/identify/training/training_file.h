@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// A training as JSON text, of which docs/how-to/identify-a-soil.md tells the keys; forces with four digits.
+/// A training as JSON text; forces with four digits. Keys: docs/how-to/identify-a-soil.md.
 [[nodiscard]] std::string trainingText(const Training& training);
 
 /// The other way round. @param name  of the text, for messages. @throws InvalidParameter for what is no training.
