@@ -3,7 +3,7 @@
  *
  * The conventions are those of haptolith.h: every function returns a status, hapto_last_error() tells what was wrong, one
  * thread at a time uses a handle, structs begin with `size`. Nothing here is for 1 kHz. What a recording holds, and how other
- * programs read it: docs/how-to/record-and-replay.md.
+ * programs read it: docs/reference/recording-file.md.
  */
 #ifndef HAPTOLITH_RECORDING_H
 #define HAPTOLITH_RECORDING_H
