@@ -444,7 +444,7 @@ enum {
   HAPTO_TICK_GRAIN_MOVED = 4096    /* deprecated: HAPTO_TICK_PARTICLE_MOVED */
 };
 
-/* One tick, as recordings hold it (docs/how-to/record-and-replay.md). */
+/* One tick, as recordings hold it (docs/reference/recording-file.md). */
 typedef struct hapto_tick {
   uint32_t size;
   uint32_t flags;              /* HAPTO_TICK_... */

@@ -3,7 +3,7 @@
  *
  * The conventions are those of haptolith.h: every function returns a status, hapto_last_error() reports the reason, one
 * thread at a time uses a handle, structs begin with `size`. Nothing here is for 1 kHz. Content of a recording, and reading it in other
-* programs: docs/how-to/record-and-replay.md.
+* programs: docs/reference/recording-file.md.
  */
 #ifndef HAPTOLITH_RECORDING_H
 #define HAPTOLITH_RECORDING_H

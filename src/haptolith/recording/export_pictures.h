@@ -6,7 +6,7 @@
 #include "haptolith/core/files/atomic_folder.h"
 #include "haptolith/recording/recorded_pictures.h"
 
-// The pictures of a recording for other programs; what is in each format: docs/how-to/record-and-replay.md. Not for the
+// The pictures of a recording for other programs; what is in each format: docs/how-to/export.md. Not for the
 // tick.
 
 namespace haptolith {

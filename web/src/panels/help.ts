@@ -9,10 +9,10 @@ const WHAT =
 
 /** The exercises of docs/tutorials/first-hour.md, shortened. */
 const EXERCISES = [
-  'Press the shovel straight down and watch the force grow with depth; pull it out, and soil that coheres holds it for a moment.',
+  'Press the shovel straight down: the force rises with depth. Pull it out: cohesion holds it for a moment.',
   'Choose Earth as the body: the same soil weighs six times as much as on the Moon.',
-  'Choose dry sand, which does not cohere, and dig a hole: its sides run in. In lunar soil they stand.',
-  'Take the jaws, and lift a handful out.',
+  'Go back to the Moon and choose dry sand, which has no cohesion. Dig a hole: its sides slide in. In lunar soil they stand.',
+  'Take the jaws, and lift a handful of soil.',
 ];
 
 const GROUPS: Record<Shortcut['group'], string> = {

@@ -196,7 +196,7 @@ namespace Haptolith
     public hapto_wrench device_wrench;  // of the last tick: sent to the device, about the handle's origin, device frame
   }
 
-  /// <summary>One tick, as recordings hold it (docs/how-to/record-and-replay.md).</summary>
+  /// <summary>One tick, as recordings hold it (docs/reference/recording-file.md).</summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_tick
   {
