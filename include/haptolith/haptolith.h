@@ -10,7 +10,7 @@
  * Conventions
  *   - SI units: m, s, kg, N, rad. Quaternions are w, x, y, z. Frames are right-handed.
  *   - Scene frame: z points up, the origin is on the floor at the centre of the box. A pose is scene_T_tool: the
-*     tool's frame in the scene's.
+ *     tool's frame in the scene's.
  *   - Device frame: a haptic device's own. hapto_device_limits.turn_rad and the scene's [mapping] turn it into the scene's.
  *   - Soil wrench: what the soil does to the tool, about the tool's origin, scene frame, unfiltered. Device wrench: what is
  *     sent to the device, behind mapping, filter and safety layer, about the handle's origin, device frame.
@@ -90,7 +90,7 @@ typedef struct hapto_error {
 } hapto_error;
 HAPTO_API int32_t hapto_last_error(hapto_error *out);
 /* For companion libraries: sets the text of hapto_last_error() for this thread, and returns the status. NULL is
-* "". */
+ * "". */
 HAPTO_API int32_t hapto_note_error(int32_t status, const char *message, const char *key, const char *value,
                                    const char *valid);
 /* A status in words. [1 kHz] */
@@ -468,7 +468,7 @@ typedef struct hapto_tick {
   uint64_t state_hash;         /* of a part of the soil; 0 without HAPTO_LOOP_HASHES */
 } hapto_tick;
 /* Takes up to `capacity` of the waiting ticks, the oldest first; `count` is their number, `lost` (or NULL) the number lost so far
-* because they were not taken in time: take them every second or more often. From the thread that takes snapshots. */
+ * because they were not taken in time: take them every second or more often. From the thread that takes snapshots. */
 HAPTO_API int32_t hapto_loop_take_ticks(hapto_loop *loop, hapto_tick *out, uint64_t capacity, uint64_t *count,
                                         uint64_t *lost);
 
@@ -493,7 +493,7 @@ HAPTO_API int32_t hapto_loop_change(hapto_loop *loop, const char *const *overrid
 HAPTO_API int32_t hapto_safety_create(const hapto_device_limits *limits, const char *const *overrides, uint32_t count,
                                       double tick_s, double stiffness_n_m, hapto_safety **out);
 /* Each tick: the device's reading, whether the tick before ended late (1), and the requested output, which is replaced
-* by the permitted one: both device frame. [1 kHz] */
+ * by the permitted one: both device frame. [1 kHz] */
 HAPTO_API int32_t hapto_safety_step(hapto_safety *safety, const hapto_device_input *input, int32_t late,
                                     hapto_device_output *inout);
 typedef struct hapto_safety_info {

@@ -4,12 +4,12 @@
  * 127.0.0.1:9050, and is sent at most one hapto_network_answer for each, after a tick.
  *
  * Byte order: little-endian, numbers IEEE 754, no gaps. This header needs no library; structures have in memory the
-* layout of packets on the wire, on little-endian machines, so that send(), recv() and memcpy() read and write them.
+ * layout of packets on the wire, on little-endian machines, so that send(), recv() and memcpy() read and write them.
  * Frame: the sender's own, right-handed. A scene's [mapping] puts it into the scene; left out, x is to the right, y away
  * from who looks and z up, and the origin lies 85 mm above the middle of the soil.
  * Units: m, s, rad, N. Velocities are those of the pose in the same packet; all zeros make soil feel undamped.
  *
-* A program that renders force must set it to zero when no answer has arrived for HAPTO_NETWORK_SILENCE_MS: haptolith may be gone.
+ * A program that renders force must set it to zero when no answer has arrived for HAPTO_NETWORK_SILENCE_MS: haptolith may be gone.
  *
  * With a key, HAPTO_NETWORK_TAG_BYTES follow a sent packet, and a nonce and a tag of that size each follow an answer:
  * docs/reference/udp.md has their content.

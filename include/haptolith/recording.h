@@ -1,9 +1,9 @@
 /* libhaptolith_recording: recordings of loops, written, read, and replayed bit for bit. A separate library next to
-* libhaptolith, because it brings HDF5, of which a process should have one.
+ * libhaptolith, because it brings HDF5, of which a process should have one.
  *
  * The conventions are those of haptolith.h: every function returns a status, hapto_last_error() reports the reason, one
-* thread at a time uses a handle, structs begin with `size`. Nothing here is for 1 kHz. Content of a recording, and reading it in other
-* programs: docs/reference/recording-file.md.
+ * thread at a time uses a handle, structs begin with `size`. Nothing here is for 1 kHz. Content of a recording, and reading it in other
+ * programs: docs/reference/recording-file.md.
  */
 #ifndef HAPTOLITH_RECORDING_H
 #define HAPTOLITH_RECORDING_H

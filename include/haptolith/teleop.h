@@ -1,12 +1,12 @@
 /* Packets between an operator and a robot, for programs that replace either: docs/reference/teleop-packets.md.
  *
  * UDP, little-endian, IEEE 754 numbers. Lengths in m, forces in N, in the site frame: its origin at the centre of the
-* soil's first surface, z up. This header needs no library; structures have in memory the layout of packets on the wire, on
+ * soil's first surface, z up. This header needs no library; structures have in memory the layout of packets on the wire, on
  * little-endian machines, so that memcpy() reads and writes them. With a key, 32 bytes follow each packet:
  *
  *     packet || own nonce (16) || BLAKE2b(key, the other's nonce || packet || own nonce), 16 bytes (RFC 7693)
  *
-* 16 zeros replace the other's nonce until a packet of the other's has carried it.
+ * 16 zeros replace the other's nonce until a packet of the other's has carried it.
  */
 #ifndef HAPTOLITH_TELEOP_H
 #define HAPTOLITH_TELEOP_H

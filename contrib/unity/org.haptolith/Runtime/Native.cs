@@ -325,7 +325,7 @@ namespace Haptolith
 
     /// <summary>
     /// For companion libraries: sets the text of hapto_last_error() for this thread, and returns the status. NULL is
-    /// * "".
+    /// "".
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_note_error(int status, byte* message, byte* key, byte* value, byte* valid);
@@ -625,7 +625,7 @@ namespace Haptolith
 
     /// <summary>
     /// Takes up to `capacity` of the waiting ticks, the oldest first; `count` is their number, `lost` (or NULL) the number lost so far
-    /// * because they were not taken in time: take them every second or more often. From the thread that takes snapshots.
+    /// because they were not taken in time: take them every second or more often. From the thread that takes snapshots.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_take_ticks(IntPtr loop, hapto_tick* @out, ulong capacity, ulong* count, ulong* lost);
@@ -661,7 +661,7 @@ namespace Haptolith
 
     /// <summary>
     /// Each tick: the device's reading, whether the tick before ended late (1), and the requested output, which is replaced
-    /// * by the permitted one: both device frame. [1 kHz]
+    /// by the permitted one: both device frame. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_safety_step(IntPtr safety, hapto_device_input* input, int late, hapto_device_output* inout);
