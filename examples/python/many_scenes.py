@@ -8,7 +8,7 @@ import numpy as np
 import haptolith as hp
 
 first = hp.Scene("paper")
-scenes = [first] + [first.clone() for _ in range(63)]  # the same soil, made once
+scenes = [first] + [first.clone() for _ in range(63)]  # equal soil, made once
 surface_m = first.info.surface_m
 
 ticks = 400
