@@ -4,8 +4,8 @@
     haptolith run --device network          in one terminal
     examples/network_device.py              in another
 
-With a key that both know, packets are signed: openssl rand -hex 32 > device.key, and --device-key-file device.key there,
---key-file device.key here. Both packets are described in docs/reference/udp.md. Nothing but Python's standard library is needed.
+Packets are signed with a shared key: openssl rand -hex 32 > device.key, with --device-key-file device.key for haptolith and
+--key-file device.key here. Both packets are described in docs/reference/udp.md. It needs only Python's standard library.
 """
 
 import argparse

@@ -4,9 +4,10 @@
     examples/teleop_robot.py                             in one terminal
     haptolith teleop operator --to 127.0.0.1:7410        in another
 
-It follows commands by their number, stands still when none comes, and tells a force: that of level ground which pushes back
-with 500 N/m below the site's zero. Replace drive(), measure() and look() by your arm, your force sensor and your camera; without
-a camera leave look() away. The packets are those of docs/how-to/teleoperate.md and include/haptolith/teleop.h. Nothing but Python's standard library is needed.
+It follows commands by their number, stops without commands, and reports a force: that of level ground with a stiffness of
+500 N/m below the site's zero. Replace drive(), measure() and look() by an arm, a force sensor and a camera; without a camera
+remove look(). The packets are those of docs/how-to/teleoperate.md and include/haptolith/teleop.h. It needs only Python's
+standard library.
 """
 
 import argparse

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sixty-four scenes at once on all threads, each dug in another place: how much the place matters."""
+"""Runs 64 scenes in parallel on all threads, each dug at a different place, and prints the effect of the place."""
 
 import time
 

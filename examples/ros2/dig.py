@@ -5,7 +5,7 @@
     source /opt/ros/DISTRO/setup.bash
     examples/ros2/dig.py --surface-m 0.09                  in another; the height that haptolith prints at its start
 
-It was written from rclpy's documentation and has never met a real ROS 2: docs/how-to/ros2.md says what was tried.
+Written from rclpy's documentation and not tested with a real ROS 2: docs/how-to/ros2.md lists the tests.
 """
 import argparse
 import math
