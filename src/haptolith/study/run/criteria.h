@@ -14,7 +14,7 @@ namespace haptolith {
 struct Score {
   int right = 0, of = 0;
 
-  /// Whether the fraction correct so far is at least `share`.
+  /// Whether the current fraction correct is at least `share`.
   [[nodiscard]] bool reaches(double share) const noexcept { return right >= share * of; }
 };
 
