@@ -1,14 +1,14 @@
 #!/usr/bin/env Rscript
-# The numbers of `haptolith study figure` once more, from an export of the study, and mixed models beside them.
+# Reproduces the numbers of `haptolith study figure` from an export of the study, and fits mixed models for comparison.
 #
-#     Rscript friction-analysis.R                  reads friction.csv beside it
+#     Rscript friction-analysis.R                  reads friction.csv next to it
 #     Rscript analysis.R FOLDER                    a BIDS export
 #     Rscript analysis.R friction.csv --no-glmm    without the mixed models, which need lme4
 #
-# The model is described at the head of analysis.py, and in docs/reference/psychometrics.md.
+# Model: see the docstring of analysis.py, and docs/reference/psychometrics.md.
 
 WIDTH <- 3.289707253902943 # from 5 % to 95 % of a normal distribution, in standard deviations
-PLACES <- 61               # of a person's table
+PLACES <- 61               # grid points of a person's table, per axis
 COARSE <- c(11, 6, 11, 6, 6)
 FINE <- c(19, 11, 19, 11, 9)
 USUAL_LOG_SPREAD <- 0.6
@@ -34,12 +34,12 @@ read_trials <- function(path) {
   }))
 }
 
-# Answers that count, of people who have neither withdrawn nor been excluded.
+# Analysed responses, without participants who have withdrawn or been excluded.
 counted <- function(trials) {
   trials <- trials[trials$kind == "main" & trials$state == "answered" & trials$response %in% c(0, 1) &
                      !(trials$participant_state %in% c("withdrawn", "excluded")), ]
   trials$response <- as.integer(trials$response)
-  # A study's groups are fitted each by itself.
+  # Each group of a study is fitted separately.
   group <- if (is.null(trials$group)) rep("", nrow(trials)) else trials$group
   trials$block <- ifelse(group %in% c("", NA), trials$block, paste(trials$block, "of group", group))
   trials
@@ -66,7 +66,7 @@ log_priors <- function(priors, grids) {
        -(grids[[4]] / USUAL_LOG_SPREAD)^2 / 2, (LAPSE_PRIOR - 1) * log1p(-grids[[5]]))
 }
 
-# Of one person's answers over places t (rows) and ln w (columns).
+# Log-likelihood of one person's responses over thresholds t (rows) and ln w (columns).
 log_likelihood <- function(person, t, u, lapse) {
   total <- matrix(0, length(t), length(u))
   for (i in seq_along(person$x)) {
@@ -85,7 +85,7 @@ log_likelihood <- function(person, t, u, lapse) {
 
 span <- function(support, size) seq(support[1], support[2], length.out = size)
 
-# By a value more on either side than what is kept.
+# Range of the kept values, extended by one value on each side.
 around <- function(values, kept) {
   at <- which(kept)
   values[c(max(at[1] - 1, 1), min(at[length(at)] + 1, length(values)))]
@@ -108,8 +108,8 @@ table_of <- function(person, priors, lapses) {
   list(t = span(place, PLACES), u = span(log_w, PLACES))
 }
 
-# Weights of `values` in the mean, over normal distributions (rows; means run fastest), of a function that is straight
-# between them.
+# Weights of `values` for the means over normal distributions (rows; means vary fastest) of a function that is linear
+# between the values.
 normal_weights <- function(means, spreads, values) {
   mean <- rep(means, times = length(spreads))
   spread <- pmax(rep(spreads, each = length(means)), 1e-12)
@@ -126,7 +126,7 @@ trapezoid <- function(values) {
   c(halves, 0) + c(0, halves)
 }
 
-# ln of the posterior density over mean and spread of t, mean and spread of ln w, and the lapse rate.
+# Log posterior density over mean and SD of t, mean and SD of ln w, and the lapse rate.
 posterior_on <- function(people, tables, priors, supports, sizes) {
   grids <- lapply(1:5, function(i) span(supports[i, ], sizes[i]))
   share <- seq(0, 1, length.out = sizes[5])^(if (supports[5, 1] > 0) 1 else 2)
@@ -146,7 +146,7 @@ posterior_on <- function(people, tables, priors, supports, sizes) {
   list(density = density, grids = grids)
 }
 
-# Of a density whose logarithm is a cubic spline.
+# Quantiles of a density whose logarithm is a cubic spline.
 quantiles <- function(values, log_density, shares) {
   fine <- seq(values[1], values[length(values)], length.out = 4001)
   density <- exp(spline(values, pmax(log_density, -40), xout = fine)$y)
@@ -187,7 +187,7 @@ fit_one <- function(person) {
 
 # --- mixed models -------------------------------------------------------------------------------------------------------
 
-# Probit, with random intercepts and slopes: the GLMM of Moscatelli, Mezzetti and Lacquaniti (2012).
+# Probit model with random intercepts and slopes: the GLMM of Moscatelli, Mezzetti and Lacquaniti (2012).
 mixed_model <- function(trials) {
   trials$place <- log(trials$x) - mean(log(trials$x))
   model <- suppressMessages(lme4::glmer(response ~ place + (1 + place || participant), data = trials,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The numbers of `haptolith study figure` once more, from an export of the study, and mixed models beside them.
+"""Reproduces the numbers of `haptolith study figure` from an export of the study, and fits mixed models for comparison.
 
-    python3 friction-analysis.py                 reads friction.csv beside it
+    python3 friction-analysis.py                 reads friction.csv next to it
     python3 analysis.py FOLDER                   a BIDS export
     python3 analysis.py friction.csv --json      numbers alone; --no-glmm leaves the mixed models out
 
@@ -11,10 +11,11 @@ The model (docs/reference/psychometrics.md). Person i answers "more" to the stim
 
     psi(x) = c + (1 - 2 c) Phi((ln x - t_i) / ln(1 + w_i)),   t_i ~ N(m_t, s_t),   ln w_i ~ N(m_w, s_w)
 
-and a lapse rate c that all share. A study's groups are fitted each by itself. exp(m_t) is the PSE of the person in the middle, exp(m_w) their Weber fraction. Priors,
-with R the range of ln x and d the least distance between two: m_t flat over the stimuli and falling to 0 as a cosine over
-R/2 on either side; m_w flat, for widths 3.29 ln(1 + w) from d/4 to 3 R; s_t and s_w half-normal, of R/4 and 0.6; c
-Beta(1, 100) up to 1/2. A single person's answers are fitted without lapses, and w has the prior 1/w^2.
+and a common lapse rate c. Each group of a study is fitted separately. exp(m_t) is the PSE of the median person, exp(m_w)
+their Weber fraction. R is the range of ln x, and d the minimum distance between two values. The priors are:
+m_t flat over the stimuli, decreasing to 0 as a cosine over R/2 on either side; m_w flat for widths 3.29 ln(1 + w) from
+d/4 to 3 R; s_t and s_w half-normal with R/4 and 0.6; c Beta(1, 100) up to 1/2. A single person's responses are fitted
+without lapses, and w has the prior 1/w^2.
 """
 
 import argparse
@@ -29,7 +30,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import log_ndtr, ndtr
 
 WIDTH = 3.289707253902943  # from 5 % to 95 % of a normal distribution, in standard deviations
-PLACES = 61                # of a person's table
+PLACES = 61                # grid points of a person's table, per axis
 COARSE, FINE = (11, 6, 11, 6, 6), (19, 11, 19, 11, 9)
 USUAL_LOG_SPREAD = 0.6
 LAPSE_PRIOR = 100
@@ -59,7 +60,7 @@ def rows_of(path):
 
 
 def blocks_of(path):
-    """{(block, group): (reference, {participant: {x: [k, n]}})}: answers that count, of people who are not left out."""
+    """Analysed responses {(block, group): (reference, {participant: {x: [k, n]}})}, without excluded participants."""
     blocks = {}
     for row in rows_of(path):
         counts = row["kind"] == "main" and row["state"] == "answered" and row["response"] in ("0", "1")
@@ -98,7 +99,7 @@ class Priors:
 
 
 def log_likelihood(person, t, u, lapse):
-    """Of one person's answers over places t (rows) and ln w (columns)."""
+    """Log-likelihood of one person's responses over thresholds t (rows) and ln w (columns)."""
     sigma = np.log1p(np.exp(u))[None, :]
     total = np.zeros((len(t), len(u)))
     for x, (k, n) in person.items():
@@ -112,7 +113,7 @@ def log_likelihood(person, t, u, lapse):
 
 
 def table_of(person, priors, lapses):
-    """Values of t and ln w that hold all of a person's likelihood that matters."""
+    """Grids of t and ln w that cover the relevant part of a person's likelihood."""
     supports = [priors.places, priors.log_w]
     for _ in range(2):
         values = [np.linspace(*support, PLACES) for support in supports]
@@ -127,7 +128,7 @@ def table_of(person, priors, lapses):
 
 
 def normal_weights(means, spreads, values):
-    """Weights of `values` in the mean, over normal distributions (rows), of a function that is straight between them."""
+    """Weights of `values` for the means over normal distributions (rows) of a function that is linear between them."""
     mean = np.repeat(means, len(spreads))[:, None]
     spread = np.maximum(np.tile(spreads, len(means)), 1e-12)[:, None]
     z = (values - mean) / spread
@@ -146,7 +147,7 @@ def trapezoid(values):
 
 
 def posterior_on(people, tables, priors, supports, sizes):
-    """ln of the posterior density over [m_t, s_t, m_w, s_w, c], and the values of each."""
+    """Log posterior density over [m_t, s_t, m_w, s_w, c], and the grid of each."""
     grids = [np.linspace(low, high, size) for (low, high), size in zip(supports, sizes)]
     low, high = supports[4]
     grids[4] = low + (high - low) * np.linspace(0, 1, sizes[4]) ** (1 if low > 0 else 2)
@@ -164,7 +165,7 @@ def posterior_on(people, tables, priors, supports, sizes):
 
 
 def quantiles(values, log_density, shares):
-    """Of a density whose logarithm is a cubic spline."""
+    """Quantiles of a density whose logarithm is a cubic spline."""
     fine = np.linspace(values[0], values[-1], 4001)
     density = np.exp(CubicSpline(values, np.maximum(log_density, -40))(fine))
     cumulated = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2)])
@@ -231,7 +232,7 @@ def mixed_model(people):
     model = BinomialBayesMixedGLM(np.array(answers), np.column_stack([np.ones(len(places)), places - middle]), effects,
                                   kinds, vcp_p=1, fe_p=10)
     intercept, slope = model.fit_vb().fe_mean
-    jnd = math.log(0.8413447460685429 / 0.1586552539314571) / slope  # up to 84 %, on the axis of ln x
+    jnd = math.log(0.8413447460685429 / 0.1586552539314571) / slope  # distance to 84 %, on the axis of ln x
     return {"pse": math.exp(middle - intercept / slope), "weber_fraction": math.expm1(jnd)}
 
 

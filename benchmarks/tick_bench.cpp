@@ -1,6 +1,6 @@
-// How long the work of a tick takes, and its parts. ./dev bench --benchmark_filter=PaperScene
+// Duration of a tick's work and of its parts. ./dev bench --benchmark_filter=PaperScene
 //
-// Percentiles come from single ticks, not from means of many: for a hand the worst tick counts.
+// Percentiles are over single ticks, not over means of many, because the worst tick matters for a hand.
 
 #include <benchmark/benchmark.h>
 
@@ -16,12 +16,12 @@
 namespace haptolith {
 namespace {
 
-/// A bed of about `particles`, close-packed, in a square box half as deep as it is wide: 1.8 cm^3 a particle.
+/// Returns a bed of about `particles`, close-packed, in a square box half as deep as wide: 1.8 cm^3 per particle.
 BedParameters bedOf(std::int64_t particles) {
   BedParameters bed;
-  bed.sleep = false;  // or there would soon be nothing to measure
+  bed.sleep = false;  // otherwise the bed would soon be asleep
   if (particles == 256) {
-    return bed;  // the paper's scene
+    return bed;  // the scene of icra2021
   }
   const double side = 0.0153 * std::cbrt(static_cast<double>(particles));
   bed.start = BedStart::kPacked;
@@ -30,7 +30,7 @@ BedParameters bedOf(std::int64_t particles) {
   return bed;
 }
 
-/// The whole tick of the loop (read, move, step, sum, filter, limit, send, publish), one thread.
+/// Times the complete tick of the loop (read, move, step, sum, filter, limit, send, publish), one thread.
 void PaperScene(benchmark::State& state, Manoeuvre manoeuvre) {
   Scene scene(bedOf(256), ToolParameters{});
   HandParameters hand;
@@ -52,11 +52,11 @@ void PaperScene(benchmark::State& state, Manoeuvre manoeuvre) {
   state.counters["rebuilds_per_tick"] =
       static_cast<double>(scene.bed().listRebuilds()) / static_cast<double>(loop.statistics().ticks());
 }
-// 20 s of simulated time each, so that percentiles mean something whatever the machine's speed.
+// 20 s of simulated time each, for percentiles that do not depend on the machine's speed.
 BENCHMARK_CAPTURE(PaperScene, stir, Manoeuvre::kStir)->Iterations(20000)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(PaperScene, scoop, Manoeuvre::kScoop)->Iterations(20000)->Unit(benchmark::kMicrosecond);
 
-/// One step of a bed at rest: contacts, friction, positions.
+/// Times one step of a bed at rest: contacts, friction, positions.
 void BedStep(benchmark::State& state) {
   Bed bed(bedOf(state.range(0)));
   for (auto _ : state) {
@@ -69,7 +69,7 @@ void BedStep(benchmark::State& state) {
 }
 BENCHMARK(BedStep)->Arg(256)->Arg(2000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMicrosecond);
 
-/// All neighbour lists from nothing.
+/// Times building all neighbour lists from scratch.
 void EnterAll(benchmark::State& state) {
   Bed bed(bedOf(state.range(0)));
   const BedParameters& box = bed.parameters();
@@ -83,7 +83,7 @@ void EnterAll(benchmark::State& state) {
 }
 BENCHMARK(EnterAll)->Arg(256)->Arg(10000)->Arg(100000)->Unit(benchmark::kMicrosecond);
 
-/// The shovel in the middle of the paper's bed.
+/// Times the contact of the shovel at the centre of the bed of icra2021.
 void ToolContact(benchmark::State& state) {
   Bed bed(bedOf(256));
   const Pose pose{Vec3(0, 0, 0.025), Quat::Identity()};

@@ -1,12 +1,12 @@
 # cmake -DFOLDER=scenes/tiles -DOUTPUT=ready_tile_files.cpp -P EmbedTiles.cmake
-# Makes one source of the settled soil that ships with the program, as EmbedWeb.cmake does of the page.
+# Generates one source with the settled soil that ships with the program, as EmbedWeb.cmake does for the page.
 file(GLOB files RELATIVE ${FOLDER} ${FOLDER}/*.tile)
 list(SORT files)
 set(symbols "")
 set(entries "")
 set(number 0)
 foreach(file ${files})
-  # A compiler cache looks into the source, not into what the assembler includes: another file must make another source.
+  # A compiler cache reads only the source, not the files that the assembler includes: a changed file must change the source.
   file(SHA256 ${FOLDER}/${file} digest)
   string(APPEND symbols
 "// ${digest}

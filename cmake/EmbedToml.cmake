@@ -1,6 +1,6 @@
 # cmake -DFILES=a.toml,b.toml -DHEADER=haptolith/scene_file/built_in_soils.h -DTYPE=BuiltInSoil -DFUNCTION=builtInSoils
 #       -DOUTPUT=built_in_soils.cpp -P EmbedToml.cmake
-# Makes one source of TOML files, scripts or drawings, so that the program knows them wherever it is started.
+# Generates one source from TOML files, scripts or meshes, so that they are part of the program.
 string(REPLACE "," ";" files "${FILES}")
 set(entries "")
 foreach(file ${files})

@@ -1,12 +1,12 @@
 # cmake -DDIST=web/dist -DOUTPUT=web_files.cpp -P EmbedWeb.cmake
-# Makes one source of the page's files, so that the program serves them wherever it is started and needs nothing beside it.
+# Generates one source from the page's files, so that the program serves them without any other files.
 file(GLOB_RECURSE files RELATIVE ${DIST} ${DIST}/*)
 list(SORT files)
 set(symbols "")
 set(entries "")
 set(number 0)
 foreach(file ${files})
-  # A compiler cache looks into the source, not into what the assembler includes: another file must make another source.
+  # A compiler cache reads only the source, not the files that the assembler includes: a changed file must change the source.
   file(SHA256 ${DIST}/${file} digest)
   string(APPEND symbols
 "// ${digest}

@@ -1,32 +1,32 @@
-# Flags shared by all our own targets, and haptolith_module(): one static library per folder of src/haptolith.
+# Flags of all targets of this project, and haptolith_module(): one static library per folder of src/haptolith.
 
 add_library(haptolith_flags INTERFACE)
 target_include_directories(haptolith_flags INTERFACE ${PROJECT_SOURCE_DIR}/src)
 target_compile_options(haptolith_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
-  # The same expression gives the same bits in every build: contraction to FMA happens only where the source asks.
+  # Results are bit-identical in every build: contraction to FMA happens only where the source requests it.
   -ffp-contract=off
   $<$<BOOL:${HAPTOLITH_WERROR}>:-Werror>)
 if(HAPTOLITH_SANITIZE)
   target_compile_options(haptolith_flags INTERFACE
     -fsanitize=${HAPTOLITH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all
-    -Wno-maybe-uninitialized)  # instrumented code misleads g++ 12, in std::regex for one
-  # Each instruction set's instrumented kernel takes the compiler most of a minute: the widest two and none are enough.
+    -Wno-maybe-uninitialized)  # false positives of g++ 12 in instrumented code, such as std::regex
+  # The instrumented kernel of each instruction set takes almost a minute to compile: the widest two and the scalar one suffice.
   target_compile_definitions(haptolith_flags INTERFACE "HWY_DISABLED_TARGETS=(HWY_SSSE3 | HWY_SSE4)")
   target_link_options(haptolith_flags INTERFACE -fsanitize=${HAPTOLITH_SANITIZE})
   if(HAPTOLITH_SANITIZE MATCHES thread)
-    target_compile_options(haptolith_flags INTERFACE -Wno-tsan)  # it does not follow the fences in Boost.Asio
+    target_compile_options(haptolith_flags INTERFACE -Wno-tsan)  # ThreadSanitizer does not support the fences in Boost.Asio
   endif()
 endif()
 
-# haptolith_unity(haptolith_soil): compiles a target's sources twelve at a time, which takes half as long; a changed file then
-# costs its whole batch. Alone stay sources that Highway compiles once for each instruction set, since they include themselves,
-# those with definitions of their own, and those whose property HAPTOLITH_ALONE is set. CMake's UNITY_BUILD would do, but writes
-# absolute names into its batches: no compiler cache would serve another checkout.
+# haptolith_unity(haptolith_soil): compiles a target's sources in batches of twelve, which takes half the time; a changed file
+# then recompiles its batch. Some sources are compiled separately: those that Highway compiles once for each instruction set
+# (they include themselves), those with separate definitions, and those with the property HAPTOLITH_ALONE. CMake's UNITY_BUILD
+# is not used, because it writes absolute names into its batches, which disables the compiler cache for other checkouts.
 option(HAPTOLITH_UNITY "Compile several sources at a time: quicker from nothing, slower after a change" OFF)
 function(haptolith_unity target)
   if(HAPTOLITH_UNITY)
-    cmake_language(EVAL CODE "cmake_language(DEFER CALL haptolith_make_batches ${target})")  # when all its sources are known
+    cmake_language(EVAL CODE "cmake_language(DEFER CALL haptolith_make_batches ${target})")  # after all its sources have been added
   endif()
 endfunction()
 function(haptolith_make_batches target)
@@ -67,12 +67,13 @@ function(haptolith_make_batches target)
   endwhile()
   set_target_properties(${target} PROPERTIES SOURCES "${kept}")
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
-  # Of types in unnamed namespaces, which are as private in a batch as in a source.
+  # For types in unnamed namespaces, which are as private in a batch as in a source.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
 # haptolith_precompile(tests LIBRARIES fmt::fmt HEADERS <vector>): headers that most sources of a kind include, compiled once.
-# haptolith_precompiled(test_core tests): a target of that kind. What a source needs it still includes: clang-tidy knows of none.
+# haptolith_precompiled(test_core tests): a target of that kind. Sources must still include all headers that they need, because
+# clang-tidy does not use precompiled headers.
 option(HAPTOLITH_PRECOMPILED_HEADERS "Compile headers that most sources include once" ON)
 file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/empty.cpp CONTENT "// For targets that only precompile headers.\n")
 function(haptolith_precompile kind)
@@ -81,7 +82,7 @@ function(haptolith_precompile kind)
   target_link_libraries(haptolith_precompiled_${kind} PRIVATE haptolith_flags ${ARG_LIBRARIES})
   target_precompile_headers(haptolith_precompiled_${kind} PRIVATE ${ARG_HEADERS})
   set_target_properties(haptolith_precompiled_${kind} PROPERTIES POSITION_INDEPENDENT_CODE ${ARG_POSITION_INDEPENDENT})
-  # So that ccache finds them again in another checkout.
+  # Allows cache hits of ccache in another checkout.
   target_compile_options(haptolith_precompiled_${kind} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 endfunction()
 function(haptolith_precompiled target kind)
@@ -90,7 +91,7 @@ function(haptolith_precompiled target kind)
   endif()
 endfunction()
 
-# haptolith_quickly_compiled(test_core): code that costs the compiler more than it ever costs the machine: the command line, tests.
+# haptolith_quickly_compiled(test_core): code whose compilation takes longer than its execution: the command line, tests.
 function(haptolith_quickly_compiled target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   if(HAPTOLITH_SANITIZE)
@@ -99,7 +100,7 @@ function(haptolith_quickly_compiled target)
 endfunction()
 
 # haptolith_module(soil SOURCES a.cpp b.cpp DEPENDS core LIBRARIES PkgConfig::nlopt)
-# DEPENDS names folders that stand above this one (docs/contributing/architecture.md); LIBRARIES are external and stay private.
+# DEPENDS names folders on which this one may depend (docs/contributing/architecture.md); LIBRARIES are external and private.
 function(haptolith_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   add_library(haptolith_${name} STATIC ${ARG_SOURCES})
@@ -114,7 +115,7 @@ function(haptolith_module name)
 endfunction()
 
 # haptolith_shared_library(haptolith_library haptolith SOURCES a.cpp LIBRARIES haptolith::lab)
-# libhaptolith.so, as haptolith::haptolith: shows what version.map names and nothing else.
+# libhaptolith.so, as haptolith::haptolith: exports only the names in version.map.
 function(haptolith_shared_library target output_name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   set(version_map ${PROJECT_SOURCE_DIR}/src/haptolith/c_api/version.map)
@@ -133,7 +134,7 @@ function(haptolith_shared_library target output_name)
     LINK_DEPENDS ${version_map})
   target_link_options(${target} PRIVATE
     LINKER:--version-script=${version_map} LINKER:--as-needed)
-  if(NOT HAPTOLITH_SANITIZE)  # whose functions the program brings
+  if(NOT HAPTOLITH_SANITIZE)  # the program defines the sanitizers' functions
     target_link_options(${target} PRIVATE LINKER:-z,defs)
   endif()
 endfunction()
@@ -152,13 +153,13 @@ function(haptolith_install_library target)
 endfunction()
 
 # haptolith_embed_toml(soils built_in_soils.cpp HEADER haptolith/... TYPE BuiltInSoil FUNCTION builtInSoils)
-# Makes a source, in the current binary folder, of the TOML files, Python and R scripts, OBJ drawings and JSON in a folder of the project.
+# Generates a source, in the current binary folder, from the TOML, Python, R, OBJ and JSON files in a folder of the project.
 function(haptolith_embed_toml folder output)
   cmake_parse_arguments(ARG "" "HEADER;TYPE;FUNCTION" "" ${ARGN})
   file(GLOB files CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.toml
        ${PROJECT_SOURCE_DIR}/${folder}/*.py ${PROJECT_SOURCE_DIR}/${folder}/*.R
        ${PROJECT_SOURCE_DIR}/${folder}/*.obj ${PROJECT_SOURCE_DIR}/${folder}/*.json)
-  list(JOIN files "," file_list)  # in the command itself, so that a file that goes away is noticed
+  list(JOIN files "," file_list)  # part of the command, so that a removed file triggers it
   set(embed ${PROJECT_SOURCE_DIR}/cmake/EmbedToml.cmake)
   add_custom_command(
     OUTPUT ${output}

@@ -1,5 +1,5 @@
-# Writes OUTPUT, one source with the text of several tests (SOURCES, separated by commas): each in a namespace of its own where it
-# had an unnamed one, so that their helpers may have the same names.
+# Writes OUTPUT, one source with the text of several tests (SOURCES, separated by commas). Unnamed namespaces become separate
+# named ones, so that helpers may have equal names.
 string(REPLACE "," ";" files "${SOURCES}")
 set(batch "")
 foreach(file IN LISTS files)

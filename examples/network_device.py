@@ -4,8 +4,8 @@
     haptolith run --device network          in one terminal
     examples/network_device.py              in another
 
-With a key that both know, packets are signed: openssl rand -hex 32 > device.key, and --device-key-file device.key there,
---key-file device.key here. Both packets are described in docs/reference/udp.md. Nothing but Python's standard library is needed.
+Packets are signed with a shared key: openssl rand -hex 32 > device.key, with --device-key-file device.key for haptolith and
+--key-file device.key here. Both packets are described in docs/reference/udp.md. It needs only Python's standard library.
 """
 
 import argparse
@@ -22,11 +22,11 @@ DEVICE = struct.Struct("<4sHHIIQ 3d4d3d3d d")
 # little-endian: magic, version, flags, sequence, number, time; force, torque, gripper force
 ANSWER = struct.Struct("<4sHHIIQ 3d3d d")
 VERSION = 1
-HELD = 1  # flags of what is sent: the dead-man switch is held
+HELD = 1  # flags of sent packets: the dead-man switch is held
 LIVE, TRIPPED = 1, 2  # flags of the answer
-NONCE_BYTES = TAG_BYTES = 16  # of signed packets
+NONCE_BYTES = TAG_BYTES = 16  # in signed packets
 NO_NONCE = bytes(NONCE_BYTES)
-FORGET_NONCE_S = 0.5  # without an answer: somebody else may have had the tool since
+FORGET_NONCE_S = 0.5  # without an answer; another client may have held the tool since
 
 
 def arguments():
@@ -54,7 +54,7 @@ class Connection:
         if key_file:
             with open(key_file, encoding="ascii") as file:
                 self.key = bytes.fromhex(file.read().strip())
-        self.nonce = NO_NONCE  # packets that are signed with it ask for the nonce to use
+        self.nonce = NO_NONCE  # packets signed with it request the nonce to use
         self.answered = time.monotonic()
         self.sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.sock.connect((host, int(port)))
@@ -67,7 +67,7 @@ class Connection:
             self.nobody()
 
     def newest_answer(self):
-        """The newest answer that has come, or None."""
+        """Returns the newest received answer, or None."""
         newest = None
         while True:
             try:
@@ -88,7 +88,7 @@ class Connection:
             return None
         answer = ANSWER.unpack(packet[:ANSWER.size])
         sent_ns = answer[5]
-        # An old answer may be one that somebody has kept and sends again. Who shows force to a hand bears 20 ms.
+        # An old answer may be a replay attack. A program that renders force on a hand would accept at most 20 ms.
         fresh = 0 <= time.monotonic_ns() - sent_ns <= FORGET_NONCE_S * 1e9
         if answer[0] != b"HLAN" or answer[1] != VERSION or not fresh:
             return None
@@ -132,7 +132,7 @@ def main():
                 last_print = now
                 state = "tripped" if flags & TRIPPED else "live" if flags & LIVE else "not held"
                 print(f"force {fx:7.3f} {fy:7.3f} {fz:7.3f} N  round trip {round_trip_ms:6.2f} ms  {state}", flush=True)
-        # A program that shows force to a hand would also make it zero here when no answer has come for 20 ms.
+        # A program that renders force on a hand would also set it to zero here after 20 ms without an answer.
         time.sleep(0.001)
     print(f"{sequence} packets sent, {answers} answers, strongest force {strongest:.3f} N")
     if answers > 0 and strongest == 0:

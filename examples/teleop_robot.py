@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""A robot for haptolith's operator, as short as one can be: where a robot of your own would take over.
+"""Minimal robot for haptolith's operator, as a starting point for a real robot.
 
     examples/teleop_robot.py                             in one terminal
     haptolith teleop operator --to 127.0.0.1:7410        in another
 
-It follows commands by their number, stands still when none comes, and tells a force: that of level ground which pushes back
-with 500 N/m below the site's zero. Replace drive(), measure() and look() by your arm, your force sensor and your camera; without
-a camera leave look() away. The packets are those of docs/reference/teleop-packets.md and include/haptolith/teleop.h. Nothing but Python's standard library is needed.
+It follows commands by their number, stops without commands, and reports a force: that of level ground with a stiffness of
+500 N/m below the site's zero. Replace drive(), measure() and look() by an arm, a force sensor and a camera; without a camera
+remove look(). The packets are those of docs/reference/teleop-packets.md and include/haptolith/teleop.h. It needs only Python's
+standard library.
 """
 
 import argparse
@@ -29,11 +30,11 @@ WAITING, FOLLOWING, HOLDING = 1, 3, 4
 NONE, SILENCE, RELEASED = 0, 1, 2
 TAG_BYTES = NONCE_BYTES = 16
 PERIOD_S, LOOK_S, SILENCE_S = 0.02, 0.25, 1.0
-MOST_REPORTS = 4  # in a packet: what a lost one told is told again
+MOST_REPORTS = 4  # per packet: reports are repeated because packets can be lost
 
 
 class Seal:
-    """Signs packets and checks who signed them, when there is a key."""
+    """Signs packets and verifies signatures, if there is a key."""
 
     def __init__(self, key_file):
         self.key = bytes.fromhex(open(key_file, encoding="ascii").read().strip()) if key_file else None
@@ -46,7 +47,7 @@ class Seal:
         return packet + self.own + self.tag(self.other, packet + self.own) if self.key else packet
 
     def open(self, packet):
-        """The packet and whether it is of this run; None when nobody with the key sent it."""
+        """Returns the packet and whether it is of this run; None without a valid signature."""
         if not self.key:
             return packet, True
         message, signed = packet[:-TAG_BYTES], packet[-TAG_BYTES:]
@@ -67,19 +68,19 @@ def parse(packet):
     keys = {}
     for i in range(count):
         index, *values = KEY.unpack_from(packet, COMMAND.size + i * KEY.size)
-        if not all(abs(v) < 1000 for v in values):  # NaN is not less, either
+        if not all(abs(v) < 1000 for v in values):  # also false for NaN
             return None
         keys[index] = (values[0:3], values[3:7])
     return session, number, sent, bool(flags & HELD), keys
 
 
 def drive(pose):
-    """Moves the tool there. A robot would limit speed and force here, and stop where it must. Returns where the tool is."""
+    """Moves the tool to a pose; returns its actual pose. A robot would limit speed and force here, and stop if necessary."""
     return pose
 
 
 def measure(pose):
-    """Force (N) and torque (N m) of the soil on the tool: here of springy ground below the site's zero."""
+    """Force (N) and torque (N m) of the soil on the tool: here an elastic ground below the site's zero."""
     depth = max(0.0, -pose[0][2])
     return (0.0, 0.0, 500 * depth), (0.0, 0.0, 0.0)
 
@@ -88,7 +89,7 @@ SIDE, CELL_M = 16, 0.015  # cells along a side of the map, and their width
 
 
 def look(pose):
-    """Heights of the soil over the site's zero in m, row by row along x: here of ground that gives way under the tool."""
+    """Heights of the soil above the site's zero in m, row by row along x: here a ground that yields under the tool."""
     (x, y, z), heights = pose[0], []
     for row in range(SIDE):
         for column in range(SIDE):
@@ -105,7 +106,7 @@ class Robot:
 
     def take(self, session, number, sent, held, keys):
         if session == self.session and number <= self.number:
-            return  # has been overtaken, or is sent again by somebody else
+            return  # out of order, or replayed by another sender
         if session != self.session:
             self.keys, self.index, self.reports = {}, None, []
         self.session, self.number, self.sent, self.held = session, number, sent, held
@@ -113,20 +114,20 @@ class Robot:
         self.silent_since = time.monotonic()
 
     def step(self, seconds):
-        """Goes on by so many of the operator's ticks, as far as commands have come."""
+        """Advances by a number of the operator's ticks, as far as commands have been received."""
         if not self.keys or not self.held:
             return
         newest = max(self.keys)
         before = self.index if self.index is not None else newest
         behind = newest - before
-        pace = min(1.1, max(0.9, 1 + (behind - 40) / 2000))  # 40 ms in hand against jitter
+        pace = min(1.1, max(0.9, 1 + (behind - 40) / 2000))  # 40 ms of buffer against jitter
         self.index = min(newest, before + pace * 1000 * seconds)
         self.pose = drive(self.command(self.index))
         self.forces.append((self.index, *measure(self.pose)))
         self.keys = {i: k for i, k in self.keys.items() if i >= self.index - 1000 or i == newest}
 
     def command(self, index):
-        """Where the hand was, between two keys. Hermite's cubic, with the keys' velocities, would be smoother."""
+        """Pose of the hand between two keys. A cubic Hermite spline with the keys' velocities would be smoother."""
         known = sorted(self.keys)
         after = bisect.bisect_left(known, index)
         if after == 0 or after == len(known):
@@ -148,7 +149,7 @@ class Robot:
 
 
 def map_packet(session, number, index, heights):
-    """A map of one part, which is all of it; larger ones go out in parts of 16 by 16 cells."""
+    """Packs a map with a single part; larger maps are sent in parts of 16 by 16 cells."""
     corner = -SIDE / 2 * CELL_M
     header = SITE.pack(b"HLTM", 1, 0, session, SIDE, SIDE, corner, corner, CELL_M, 0, 0, SIDE, SIDE, 0, number, index)
     return header + struct.pack(f"<{SIDE * SIDE}h", *(round(1e4 * height) for height in heights))
@@ -203,7 +204,7 @@ def main():
                 for packet in packets:
                     sock.sendto(seal.seal(packet), operator)
             except ConnectionRefusedError:
-                pass  # the operator has gone; it may come back
+                pass  # the operator is disconnected, and may reconnect
         if now - printed > 0.5:
             printed = now
             x, y, z = robot.pose[0]

@@ -1,5 +1,5 @@
-// What a network device is sent: a packet is refused for one reason, or is one that a hand could have made and that is
-// written as it was read.
+// Packets to a network device: each is refused for one reason, or is plausible for a hand and is written as it was
+// read.
 
 #include <cmath>
 #include <cstddef>

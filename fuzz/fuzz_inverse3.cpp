@@ -1,4 +1,4 @@
-// What a Haply service says, or whoever listens in its place: a message is left out, or tells what an arm can do; a
+// Messages of a Haply service, or of another program at its port: each is ignored, or contains a plausible state; a
 // device of any name can be commanded.
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-// A mesh from somebody else: whatever it is, it is read or refused, and so is what is made of it. The first byte says
-// which format.
+// Mesh from an untrusted source: it is read or refused, and so are its repair and its distance field. The first byte
+// selects the format.
 
 #include <cstddef>
 #include <cstdint>

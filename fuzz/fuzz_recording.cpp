@@ -1,4 +1,4 @@
-// A recording from somebody else: whatever it is, it is read or refused.
+// Recording from an untrusted source: it is read or refused.
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -28,7 +28,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         std::abort();
       }
     }
-  } catch (const Failure&) {  // as it should
+  } catch (const Failure&) {  // expected
   }
   return 0;
 }

@@ -1,4 +1,4 @@
-// What a robot network sends: CDR that Cyclone DDS takes is a message whose pose and wrench are refused, or finite.
+// Messages from a robot network: CDR that Cyclone DDS accepts has a pose and a wrench that are refused or finite.
 
 #include <dds/ddsi/ddsi_serdata.h>
 
@@ -18,7 +18,7 @@ void require(bool right) {
   }
 }
 
-/// How DDS serialises a type: from a message that a writer sends to a reader in this process.
+/// Returns the serialisation of a type in DDS, from a message that a writer sends to a reader in this process.
 template <class Message>
 const ddsi_sertype* serialised(dds_entity_t participant, const char* topic_name) {
   const dds_topic_descriptor& type = haptolith::typeOf(static_cast<const Message*>(nullptr));
@@ -29,7 +29,7 @@ const ddsi_sertype* serialised(dds_entity_t participant, const char* topic_name)
   char frame[] = "map";
   message.header.frame_id = frame;
   require(dds_write(writer, &message) >= 0);
-  ddsi_serdata* kept = nullptr;  // for good, and with it its type
+  ddsi_serdata* kept = nullptr;  // never released, so that its type persists
   dds_sample_info_t info;
   require(dds_takecdr(reader, &kept, 1, &info, DDS_ANY_STATE) == 1);
   return kept->type;
@@ -45,7 +45,7 @@ dds_entity_t participant() {
   return made;
 }
 
-/// Calls check(message) where the bytes are one.
+/// Calls check(message) if the bytes are a message.
 template <class Message, class Check>
 void read(const ddsi_sertype* type, const std::uint8_t* data, std::size_t size, const Check& check) {
   const ddsrt_iovec_t bytes{const_cast<std::uint8_t*>(data), size};  // NOLINT(cppcoreguidelines-pro-type-const-cast)
@@ -71,7 +71,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const ddsi_sertype* const kWrench = serialised<WrenchMessage>(kParticipant, "wrench");
   constexpr std::size_t kEncapsulation = 4;
   if (size < kEncapsulation) {
-    return 0;  // DDS drops it
+    return 0;  // dropped by DDS
   }
   read<PoseMessage>(kPose, data, size, [](const PoseMessage& message) {
     if (const std::optional<Pose> pose = poseOf(message.pose)) {

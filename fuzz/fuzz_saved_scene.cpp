@@ -1,4 +1,4 @@
-// What a saved scene may be: bytes from a file or another program. Whatever they are, they are refused or borne.
+// Saved scene: bytes from a file or another program, which are refused or tolerated.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What a scene's text and overrides may be: the first line is an override, the rest a scene file.
+// Text of a scene, and overrides: the first line is an override, the rest a scene file.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// A table from somebody else: read or refused, by each of the readers. The first byte says by which.
+// Table from an untrusted source: it is read or refused by each of the readers. The first byte selects the reader.
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -55,7 +55,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(ftruncate(file, 0) == 0 && pwrite(file, data + 1, size - 1, 0) == static_cast<ssize_t>(size - 1));
   try {
     readBy(static_cast<char>(data[0]), path);
-  } catch (const InvalidParameter&) {  // said and refused
+  } catch (const InvalidParameter&) {  // refused with a message
   }
   return 0;
 }

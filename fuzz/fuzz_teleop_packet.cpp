@@ -1,5 +1,4 @@
-// What a robot or an operator is sent: a packet that is taken is one that could have been meant, and is written as it
-// was read.
+// Packets to a robot or an operator: an accepted packet is plausible, and is written as it was read.
 
 #include <cmath>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What somebody else's training is: one that is taken can be written, and is read as it was written.
+// Training from an untrusted source: an accepted one can be written, and is read as it was written.
 
 #include <cstddef>
 #include <cstdint>
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (trainingText(parseTraining(text, "again")) != text) {
       std::abort();
     }
-  } catch (const InvalidParameter&) {  // said and refused
+  } catch (const InvalidParameter&) {  // refused with a message
   }
   return 0;
 }

@@ -1,5 +1,5 @@
-// What comes in through the socket: rubbish in place of a request, or, after a proper upgrade, in place of frames. The
-// server answers or hangs up, and goes on serving.
+// Data from a socket: garbage instead of a request, or, after a valid upgrade, instead of frames. The server answers or
+// closes the connection, and continues to serve.
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -47,7 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const asio::ip::tcp::endpoint server(asio::ip::make_address("127.0.0.1"), target.server.port());
   socket.connect(server, error);
   const auto passes =
-      [](const error_code& why) {  // a closed connection keeps its port for a minute; libFuzzer has alarms
+      [](const error_code& why) {  // retries: a closed connection keeps its port for 1 min; libFuzzer has alarms
         return why == boost::system::errc::address_not_available || why == boost::system::errc::interrupted;
       };
   for (int tries = 0; passes(error) && tries < 600; ++tries) {
@@ -59,8 +59,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::fprintf(stderr, "it no longer serves: %s\n", error.message().c_str());
     std::abort();
   }
-  socket.set_option(asio::socket_base::linger(true, 0), error);  // else thousands of ports wait to be free again
-  if (data[0] % 2 == 1) {                                        // a client, whose frames are rubbish
+  socket.set_option(asio::socket_base::linger(true, 0), error);  // otherwise thousands of ports stay blocked
+  if (data[0] % 2 == 1) {                                        // a client with garbage frames
     asio::write(socket, asio::buffer(kUpgrade, std::char_traits<char>::length(kUpgrade)), error);
     asio::streambuf answer;
     asio::read_until(socket, answer, "\r\n\r\n", error);
@@ -68,7 +68,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   asio::write(socket, asio::buffer(data + 1, size - 1), error);
   socket.shutdown(asio::socket_base::shutdown_send, error);
   std::array<char, 4096> answer{};
-  while (!error) {  // until it hangs up
+  while (!error) {  // until the server closes the connection
     socket.read_some(asio::buffer(answer), error);
   }
   for (haptolith::WebServer::Event event; target.server.takeEvent(event);) {

@@ -9,20 +9,20 @@
 
 namespace hand_in_the_loop {
 
-/// Where the device's delay comes from.
+/// Location of the device's delay.
 enum class DelayAt { kSplit, kShow, kMeasure };
 
 struct DeviceParameters {
   double delay_ms = 0;
   DelayAt delay_at = DelayAt::kSplit;  ///< half at measuring and half at showing, or all at one of them
-  double jitter_ms = 0;                ///< each answer is shown up to so much later; none overtakes another
-  double step_mm = 0;                  ///< positions are told in steps of this
-  double noise_mm = 0;                 ///< evenly spread between -noise and +noise, on each axis
-  double force_step_n = 0;             ///< forces are shown in steps of this
-  double drop = 0;                     ///< share of the packets that get lost, and of the answers
-  /// A device tells the velocity of its steps, smoothed: v += share ((x - x_before) / 1 ms - v). 1: as it is.
+  double jitter_ms = 0;                ///< maximum additional delay of an answer; the order is kept
+  double step_mm = 0;                  ///< resolution of positions
+  double noise_mm = 0;                 ///< uniform noise between -noise and +noise, on each axis
+  double force_step_n = 0;             ///< resolution of forces
+  double drop = 0;                     ///< fraction of packets and of answers that are lost
+  /// Smoothing of the velocity from quantised positions: v += share ((x - x_before) / 1 ms - v). 1: no smoothing.
   double velocity_share = 0.3;
-  /// Without an answer for so long the device shows nothing, as docs/reference/udp.md asks for. 0: for ever.
+  /// Time without an answer after which the device sets the force to zero (docs/reference/udp.md). 0: never.
   double blank_ms = 20;
 };
 
@@ -30,18 +30,19 @@ struct Reading {
   Vec3 position_m, velocity_m_s;
 };
 
-/// What lies between the handle and the program: measures late and coarsely, shows late. Times are of the run, in ns.
+/// Simulated device between handle and program: delayed, quantised measurements and delayed forces. Times are since the
+/// begin of the run, in ns.
 class Device {
  public:
   Device(const DeviceParameters& parameters, std::uint32_t seed);
 
-  /// An answer has come.
+  /// Receives an answer.
   void take(const Answer& answer, std::int64_t at_ns);
-  /// The force that is shown at that time, N; times must not fall.
+  /// Returns the rendered force at a time, N; times must not decrease.
   [[nodiscard]] Vec3 shown(std::int64_t at_ns);
-  /// The handle was there; times must rise.
+  /// Adds a position of the handle; times must increase.
   void follow(std::int64_t at_ns, const Vec3& position_m);
-  /// What the device tells at that time; once a millisecond.
+  /// Returns the device's reading at a time; to be called at 1 kHz.
   [[nodiscard]] Reading read(std::int64_t at_ns);
   [[nodiscard]] bool drops() { return uniform_(random_) < parameters_.drop; }
 

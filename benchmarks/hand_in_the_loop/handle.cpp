@@ -12,13 +12,13 @@ void Handle::step(double dt_s, const Vec3& shown_n, const Hand& hand, const Want
   const Vec3 from_m = position_m_;
   const Vec3 middle_m = from_m + dt_s / 2 * velocity_m_s_;
 
-  // The stop acts on what is beyond the workspace, and brakes in both directions there.
+  // The stop acts only outside the workspace, and damps both directions there.
   const Vec3 out_m = middle_m - home_m_;
   const double beyond_m = length(out_m) - parameters_.reach_m;
   const Vec3 stop_n = beyond_m > 0 ? -kStopStiffness_n_m * beyond_m / length(out_m) * out_m : Vec3{};
   const double stop_damping = beyond_m > 0 ? kStopDamping_n_s_m : 0;
 
-  // Dampers take the mean of the velocities before and after, so that none can give energy.
+  // Dampers use the mean of the velocities before and after the step, so that they cannot generate energy.
   const double damping = hand.damping_n_s_m + parameters_.damping_n_s_m + stop_damping;
   const Vec3 steady_n = shown_n + hand.stiffness_n_m * (wanted.position_m - middle_m) +
                         hand.damping_n_s_m * wanted.velocity_m_s + stop_n + Vec3{0, 0, -weight_n};

@@ -39,7 +39,7 @@ std::int64_t monotonicNs() {
   return clockNs(CLOCK_MONOTONIC);
 }
 
-// The system's interface takes every kind of address by a pointer to its first member.
+// The system's interface accepts all kinds of addresses by a pointer to the first member.
 // NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast)
 Link::Link(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
   const sockaddr_in address = local(port);
@@ -71,7 +71,7 @@ Link::~Link() {
 
 void Link::send(const DevicePacket& packet) {
   const auto bytes = bytesOf(packet);
-  // Nobody may listen yet, or no more; that shows in the answers.
+  // The port may not be open yet, or no more; this is visible in the answers.
   (void)::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
 }
 
@@ -88,7 +88,7 @@ std::optional<Arrival> Link::take() {
     const ssize_t size = recvmsg(socket_, &message, 0);
     if (size < 0) {
       if (errno == EINTR || errno == ECONNREFUSED) {
-        continue;  // the second is told once for each packet that nobody took
+        continue;  // the latter is reported once for each undelivered packet
       }
       return std::nullopt;
     }

@@ -1,6 +1,6 @@
-// An independent judge of what a hand is given: plays a person at a haptic device against a haptolith that it starts,
-// over UDP, and knows of haptolith nothing but docs/reference/udp.md. README.md in this folder says how to run and
-// read it.
+// Independent test of the force on a hand: simulates a person at a haptic device, over UDP, against a haptolith that it
+// starts. It uses no information about haptolith except docs/reference/udp.md. README.md in this folder explains usage
+// and results.
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
@@ -36,7 +36,7 @@ struct Options {
   bool json = false;
 };
 
-/// FNV-1a: the same seed for the same run, whatever else is played.
+/// Computes the seed of a run from its name (FNV-1a), independent of the other runs.
 std::uint32_t seedOf(const std::string& name, std::uint32_t seed) {
   std::uint32_t hash = 2166136261U ^ seed;
   for (const char c : name) {
@@ -45,7 +45,7 @@ std::uint32_t seedOf(const std::string& name, std::uint32_t seed) {
   return hash;
 }
 
-/// Soil, grip and what is wrong; then whatever is not as usual.
+/// Returns the name of a run: soil, grip and disturbance, then all settings other than the defaults.
 std::string nameOf(const Settings& s, const std::string& given, int repeat) {
   const Settings usual;
   std::string name = s.soil + '/' + s.grip + '/' + shortNumber(s.device.delay_ms) + "ms/" +
@@ -115,7 +115,7 @@ std::vector<Settings> runsOf(const Options& options, const fs::path& folder) {
   return runs;
 }
 
-/// A folder that is gone with this object, unless the user wants to keep it.
+/// Folder that is removed with this object, unless the user keeps it.
 class Folder {
  public:
   explicit Folder(const std::string& keep) : kept_(!keep.empty()) {
@@ -155,7 +155,7 @@ void tellLists(const Json& result) {
   }
 }
 
-/// What the hand felt after each kind of glitch.
+/// Forces on the hand after each kind of glitch.
 class GlitchCount {
  public:
   void add(const Json& glitches) {
@@ -190,7 +190,7 @@ class GlitchCount {
   std::map<std::string, Part> parts_;
 };
 
-/// Of how many stalls the hand felt something at once.
+/// Number of stalls with an immediate force on the hand.
 class StallCount {
  public:
   void add(const Json& stalls) {
@@ -227,7 +227,7 @@ class StallCount {
   std::map<int, Part> parts_;
 };
 
-/// Plays what is not in the table yet.
+/// Plays the runs that are not in the table yet.
 /// @returns the exit status: 0, 1 when a run failed to be judged, 130 when interrupted.
 int play(const Options& options) {
   if (access(options.settings.program.c_str(), X_OK) != 0) {
@@ -404,10 +404,10 @@ int run(int argc, char** argv) {
   s.program = fs::absolute(s.program).string();
   if (chosen == "glitches") {
     s.count = options.count;
-    s.script.still_s = 5 + 8.0 * s.count;  // at most; it ends with the last
+    s.script.still_s = 5 + 8.0 * s.count;  // maximum; the run ends with the last glitch
   }
   if (chosen == "stalls") {
-    constexpr double kMostApart_s = 2.4;  // a stall, the force's way back, the next
+    constexpr double kMostApart_s = 2.4;  // maximum time between stalls: a stall, recovery of the force, the next stall
     const std::size_t runs = options.soils.size() * options.grips.size() * static_cast<std::size_t>(options.repeat);
     s.count = (options.count + static_cast<int>(runs) - 1) / static_cast<int>(runs);
     s.script.still_s = 5 + kMostApart_s * s.count;

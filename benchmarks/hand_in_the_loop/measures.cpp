@@ -8,7 +8,7 @@ namespace hand_in_the_loop {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
-constexpr double kLast_s = 2;  // what is called the end of a run
+constexpr double kLast_s = 2;  // duration of the end of a run
 
 double peakToPeak(const std::vector<double>& x, std::size_t from, std::size_t to) {
   if (from >= to) {
@@ -19,7 +19,7 @@ double peakToPeak(const std::vector<double>& x, std::size_t from, std::size_t to
   return *high - *low;
 }
 
-/// From the number of times that the sign changes.
+/// Returns the frequency from the number of sign changes.
 double frequency(const std::vector<double>& x) {
   int changes = 0;
   for (std::size_t i = 1; i < x.size(); ++i) {
@@ -40,7 +40,7 @@ HighPass::HighPass(double cutoff_hz) {
 
 double HighPass::step(double x) {
   if (!begun_) {
-    x1_ = x2_ = x;  // as if it had always been there
+    x1_ = x2_ = x;  // as after a constant input
     begun_ = true;
   }
   const double y = b0_ * (x - 2 * x1_ + x2_) - a1_ * y1_ - a2_ * y2_;
@@ -69,8 +69,8 @@ void Observer::answer(double at_s, Phase phase, const Answer& answer) {
     }
   }
 
-  // Soil is left by and by, through the program's low-pass. What was felt and is exactly zero in the next answer is let
-  // go.
+  // When the tool leaves soil, the force decreases gradually through the program's low-pass. A step from a perceptible
+  // force to exactly zero is a safety trip.
   constexpr double kFelt_n = 0.05;
   const bool falls = zero && any_ && length(last_.force_n) > kFelt_n;
   const bool before = released_;
@@ -154,7 +154,7 @@ Verdict judge(const Measures& measures, const std::vector<double>& releases_s, c
     return Verdict::kOk;
   }
   if (energy && !shaking) {
-    // What the handle is still given in the delay after a let-go may be what exceeds the bar.
+    // The energy during the delay after a safety trip may be the part that exceeds the bar.
     constexpr double kBefore_s = 0.05;
     for (const double at_s : releases_s) {
       if (at_s >= measures.first_excess_s - kBefore_s && at_s <= measures.first_excess_s + bars.let_go_s) {

@@ -10,38 +10,38 @@
 
 namespace hand_in_the_loop {
 
-/// What a run is judged by.
+/// Limits for the verdict on a run.
 struct Bars {
-  double energy_mj = 5;   ///< most energy that the hand may have been given
-  double still_mm = 0.1;  ///< a vibration that is smaller need not fall
-  double let_go_s = 0.5;  ///< in this time after the first excess the program may let go instead
+  double energy_mj = 5;   ///< maximum energy transferred to the hand
+  double still_mm = 0.1;  ///< amplitude below which a vibration need not decay
+  double let_go_s = 0.5;  ///< a safety trip within this time after the first excess is also accepted
 };
 
-/// What a hand was given. Energies are the work of the shown force on the handle.
+/// Measures of a run. Energies are the work of the rendered force on the handle.
 struct Measures {
-  double largest_force_n = 0;    ///< of all answers
-  double largest_step_n_ms = 0;  ///< between two answers that follow each other; a fall to zero is none
+  double largest_force_n = 0;    ///< maximum over all answers
+  double largest_step_n_ms = 0;  ///< maximum between consecutive answers, except steps to zero
   double largest_torque_nm = 0;
-  double energy_max_mj = 0;  ///< the most that the sum since the start has been
+  double energy_max_mj = 0;  ///< maximum of the sum since the start
   double energy_end_mj = 0;
-  double energy_rise_mj = 0;   ///< the most that the sum has risen above an earlier value
-  double opened_n = 0;         ///< shown when the hand opened
-  double opened_mj = 0;        ///< the most that the sum has been since then, above its value then
-  double first_excess_s = -1;  ///< since the script's start, when the sum first was above the bar; -1: never
-  double vibration_mm = 0;     ///< above 6 Hz, peak to peak, in the last 2 s
+  double energy_rise_mj = 0;   ///< maximum increase of the sum above an earlier value
+  double opened_n = 0;         ///< rendered force when the hand opened
+  double opened_mj = 0;        ///< maximum increase of the sum since the hand opened
+  double first_excess_s = -1;  ///< time since the script's start when the sum first exceeded the bar; -1: never
+  double vibration_mm = 0;     ///< peak to peak above 6 Hz, in the last 2 s
   double vibration_hz = 0;
   double vibration_before_mm = 0;  ///< in the first of the last two seconds
   double vibration_after_mm = 0;   ///< in the last second
   double first_let_go_s = -1;
-  double let_go_share = 0;                      ///< of the answers since the tool is in the soil
-  double press_n = 0, draw_n = 0, still_n = 0;  ///< means of the force's size; still: the last 2 s
-  double press_up_n = 0, still_up_n = 0;        ///< means of the force's upward part
-  double still_sd_n = 0;                        ///< of the force's upward part in the last 2 s
-  double answers = 0, lost = 0;                 ///< lost: numbers that never came
-  double longest_gap_ms = 0;                    ///< between two answers
+  double let_go_share = 0;                      ///< fraction of tripped answers with the tool in the soil
+  double press_n = 0, draw_n = 0, still_n = 0;  ///< mean magnitudes of the force; still: the last 2 s
+  double press_up_n = 0, still_up_n = 0;        ///< means of the force's upward component
+  double still_sd_n = 0;                        ///< SD of the force's upward component in the last 2 s
+  double answers = 0, lost = 0;                 ///< lost: missing sequence numbers
+  double longest_gap_ms = 0;                    ///< maximum time between two answers
 };
 
-/// High-pass, Butterworth of second order, for samples at 1 kHz.
+/// Second-order Butterworth high-pass for samples at 1 kHz.
 class HighPass {
  public:
   explicit HighPass(double cutoff_hz);
@@ -54,21 +54,21 @@ class HighPass {
 
 enum class Phase { kWait, kPress, kSettle, kDraw, kStill, kOver };
 
-/// Takes in what happens in a run, in the order of time; times are since the script's start and negative before it.
-/// Let-goes and gaps count from when the wait is over: nothing is felt before.
+/// Collects the events of a run, in the order of time; times are since the script's start and negative before it.
+/// Safety trips and gaps count after the wait, because there is no force before.
 class Observer {
  public:
   explicit Observer(const Bars& bars, double end_s) : bars_(bars), end_s_(end_s) {}
 
   void answer(double at_s, Phase phase, const Answer& answer);
-  /// Once a millisecond; energy is the work of the shown force since the start.
+  /// Adds the handle's state, at 1 kHz; energy is the work of the rendered force since the start.
   void handle(double at_s, const Vec3& position_m, double energy_j);
-  /// The hand opens, once.
+  /// Marks the opening of the hand, once.
   void open(double shown_n, double energy_j);
   [[nodiscard]] Measures measures() const;
-  /// True from when an answer has let go of the hand until one holds it again.
+  /// Whether the force is off: from a safety trip until it is on again.
   [[nodiscard]] bool isReleased() const { return released_; }
-  /// Every let-go, since the script's start.
+  /// Returns the times of all safety trips, since the script's start.
   [[nodiscard]] const std::vector<double>& releases() const { return releases_s_; }
 
  private:
@@ -92,12 +92,13 @@ class Observer {
   std::optional<double> opened_at_mj_;
   std::vector<double> releases_s_;
   std::array<HighPass, 3> quick_ = {HighPass(6), HighPass(6), HighPass(6)};
-  std::array<std::vector<double>, 3> quick_mm_;  ///< in the last 2 s
+  std::array<std::vector<double>, 3> quick_mm_;  ///< high-passed positions in the last 2 s
 };
 
 enum class Verdict { kOk, kReleased, kEnergy, kShaking, kBoth };
 
-/// Ok: no more energy than the bar, and a vibration that is small or falls. Let go: too much, but let go in time.
+/// Judges a run. kOk: energy within the limit, and a vibration that is small or decays. kReleased: above the limits,
+/// but tripped in time.
 [[nodiscard]] Verdict judge(const Measures& measures, const std::vector<double>& releases_s, const Bars& bars);
 [[nodiscard]] const char* text(Verdict verdict);
 

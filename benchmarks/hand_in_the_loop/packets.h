@@ -10,9 +10,9 @@
 
 namespace hand_in_the_loop {
 
-// Both packets of docs/reference/udp.md, written from its tables and from nothing else.
+// Both packets of docs/reference/udp.md, "Any other device or program: UDP", implemented only from its tables.
 
-/// What the program that holds the tool sends.
+/// Packet from the program that holds the tool.
 struct DevicePacket {
   static constexpr std::size_t kBytes = 136;
   bool held = true;
@@ -24,7 +24,7 @@ struct DevicePacket {
   double gripper = 0;
 };
 
-/// What it is sent after each tick.
+/// Packet to that program after each tick.
 struct Answer {
   static constexpr std::size_t kBytes = 80;
   bool live = false, let_go = false;
@@ -37,7 +37,7 @@ struct Answer {
 std::array<std::byte, DevicePacket::kBytes> bytesOf(const DevicePacket& packet);
 std::optional<Answer> parseAnswer(std::span<const std::byte> bytes);
 
-// The other direction, for the self-test's stand-in.
+// Opposite direction, for the self-test's mock program.
 std::array<std::byte, Answer::kBytes> bytesOf(const Answer& answer);
 std::optional<DevicePacket> parseDevicePacket(std::span<const std::byte> bytes);
 

@@ -24,7 +24,7 @@ Program::Program(const std::vector<std::string>& command, const std::string& fol
   }
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) {  // it has died before that was set
+    if (getppid() != parent) {  // the parent died before prctl()
       _exit(126);
     }
     const int out = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);

@@ -8,17 +8,17 @@
 
 namespace hand_in_the_loop {
 
-/// A child that dies with its parent, and whose output goes to a file.
+/// Child process that ends with its parent; its output is written to a file.
 class Program {
  public:
   Program(const std::vector<std::string>& command, const std::string& folder, const std::string& log);
-  /// Kills it if it is still there.
+  /// Kills the process if it is still running.
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
   void signal(int number) const;
-  /// Its exit status once it has ended; 128 + n: it died of signal n.
+  /// Returns the exit status after its end; 128 + n: ended by signal n.
   [[nodiscard]] std::optional<int> ended();
 
  private:

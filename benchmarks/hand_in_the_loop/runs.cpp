@@ -24,7 +24,7 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// A process that plays one run and writes its result into a pipe.
+/// Process that plays one run and writes its result to a pipe.
 struct Worker {
   const Settings* settings;
   pid_t pid;
@@ -110,7 +110,7 @@ std::string cellOf(const Json& value) {
   return text;
 }
 
-/// The run of the same soil with nothing wrong: a stiff hand, no delay, no steps, no noise.
+/// Returns the undisturbed run with this soil: a stiff hand, no delay, no quantisation, no noise.
 const Json* undisturbed(const std::vector<Json>& rows, const Json& soil) {
   for (const Json& row : rows) {
     if (row["soil"] == soil && row["grip"] == "stiff" && row["delay_ms"] == 0.0 && row["step_mm"] == 0.0 &&
@@ -182,7 +182,7 @@ bool playAll(const std::vector<Settings>& runs, int jobs, int again,
     }
   }
   for (const Worker& worker : workers) {
-    kill(worker.pid, SIGKILL);  // and its program with it
+    kill(worker.pid, SIGKILL);  // also ends its program
     waitpid(worker.pid, nullptr, 0);
     close(worker.pipe);
   }
@@ -231,7 +231,7 @@ void Table::add(const Json& row) {
   const std::string text = (header_.empty() ? header + '\n' : std::string()) + line + '\n';
   header_ = header;
   std::ofstream file(path_, std::ios::app);
-  file << text << std::flush;  // in one piece: an interrupted judge leaves whole rows
+  file << text << std::flush;  // one write per row, so that an interruption leaves complete rows
   if (!file) {
     throw std::runtime_error("cannot write " + path_);
   }

@@ -8,17 +8,17 @@
 
 namespace hand_in_the_loop {
 
-/// Plays each run in a process of its own, `jobs` at a time, and tells each as soon as it is over: its result, or why
-/// there is none. A noisy run that failed is played up to `again` times more. Ctrl-C ends all of them at once, and so
-/// does the death of this process.
-/// @returns false when it was interrupted.
+/// Plays each run in a separate process, `jobs` at a time, and reports each at its end: its result, or the reason for
+/// its failure. A noisy run that failed is repeated up to `again` times. Ctrl-C or the end of this process ends all
+/// runs.
+/// @returns false if interrupted.
 bool playAll(const std::vector<Settings>& runs, int jobs, int again,
              const std::function<void(const Settings&, const Json* result, const std::string& failure)>& tell);
 
-/// Rows in a CSV file that is added to: a run whose name is there already needs no second time.
+/// Rows in a CSV file, which is appended to: runs with an existing name are not repeated.
 class Table {
  public:
-  /// Reads what is there. An empty path: rows are kept in memory only.
+  /// Reads the existing rows. An empty path: rows are kept in memory only.
   explicit Table(std::string path);
   [[nodiscard]] bool has(const std::string& name) const;
   void add(const Json& row);
@@ -30,15 +30,16 @@ class Table {
   std::vector<Json> rows_;
 };
 
-/// The machine may be what is seen: the judge was more than 4 ms late, or the program silent for more than 3 ms.
+/// Whether the machine may have affected the result: this program was more than 4 ms late, or haptolith was silent for
+/// more than 3 ms.
 [[nodiscard]] bool noisy(const Json& row);
-/// The verdict is none of the good ones.
+/// Whether the verdict is a failure.
 [[nodiscard]] bool failed(const Json& row);
-/// One line about a run.
+/// Returns a one-line summary of a run.
 [[nodiscard]] std::string lineOf(const Json& row);
-/// Per soil and grip what was worst, and every run that failed.
+/// Prints the worst values per soil and grip, and every failed run.
 void summarise(const std::vector<Json>& rows);
-/// A number as short as five digits are.
+/// Formats a number with five digits.
 [[nodiscard]] std::string shortNumber(double x);
 
 }  // namespace hand_in_the_loop

@@ -35,7 +35,7 @@ void near(double value, double expected, double within, const std::string& what)
   check(std::abs(value - expected) <= within, text);
 }
 
-/// Answers each packet at once with a force that depends on the position alone.
+/// Mock program: answers each packet immediately with a force that depends only on the position.
 class StandIn {
  public:
   explicit StandIn(std::function<Vec3(const Vec3&)> force)
@@ -44,7 +44,7 @@ class StandIn {
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
-    const timeval patience{.tv_sec = 0, .tv_usec = 50'000};  // to see that it shall end
+    const timeval patience{.tv_sec = 0, .tv_usec = 50'000};  // to check for the end
     // NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast)
     if (socket_ < 0 || bind(socket_, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
         getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
@@ -99,11 +99,11 @@ class StandIn {
 
 constexpr double kPeriod_s = 1e-3;
 
-/// A mass on a spring that is sampled each T, held for T, and comes a time late:
+/// Mass on a spring that is sampled with period T, held for T, and delayed:
 ///
 ///     m s^2 + b s + K exp(-s delay) (1 - exp(-s T)) / (s T) = 0
 ///
-/// @returns the root near that of the spring without delay: its real part is how fast a vibration grows.
+/// @returns the root near that of the spring without delay; its real part is the growth rate of a vibration.
 std::complex<double> root(double mass, double damping, double stiffness, double delay_s) {
   using Complex = std::complex<double>;
   const auto f = [&](Complex s) {
@@ -118,7 +118,7 @@ std::complex<double> root(double mass, double damping, double stiffness, double 
   return s;
 }
 
-/// The damping with which it neither grows nor falls.
+/// Returns the damping at which it neither grows nor decays.
 double limit(double mass, double stiffness, double delay_s) {
   double low = 0, high = 10 * stiffness * (kPeriod_s + delay_s);
   for (int i = 0; i < 60; ++i) {
@@ -135,10 +135,10 @@ struct Sample {
 struct Swing {
   Measures measures;
   std::vector<Sample> samples;
-  double unbalanced_j = 0, turned_over_j = 0;  ///< what is missing in the ledger, and what has passed through it
+  double unbalanced_j = 0, turned_over_j = 0;  ///< imbalance of the ledger, and total energy through it
 };
 
-/// A handle on a spring of the stand-in, set free half a millimetre from its middle.
+/// Simulates a handle on a spring of the mock program, released 0.5 mm from its equilibrium.
 Swing swing(StandIn& stand_in, double mass, double damping, double delay_ms, DelayAt at) {
   Settings settings;
   settings.handle = {.mass_kg = mass, .damping_n_s_m = damping};
@@ -164,7 +164,7 @@ Swing swing(StandIn& stand_in, double mass, double damping, double delay_ms, Del
   return result;
 }
 
-/// The largest distance from the middle between two times, and when.
+/// Returns the maximum distance from equilibrium between two times, and its time.
 Sample highest(const std::vector<Sample>& samples, double from_s, double to_s) {
   Sample best{0, 0, 0};
   for (const Sample& s : samples) {
@@ -217,7 +217,7 @@ void testDevice() {
     squares += x * x;
     largest_m = std::max(largest_m, std::abs(x));
   }
-  // Even noise of +-0.1 mm in steps of 0.06 mm: 0, 0.06, 0.12 mm of either sign in shares of 0.3, 0.3 and 0.05.
+  // Uniform noise of +-0.1 mm in steps of 0.06 mm: 0, 0.06, 0.12 mm of either sign with fractions 0.3, 0.3 and 0.05.
   near(1e3 * std::sqrt(squares / kReadings), std::sqrt(0.6 * 0.06 * 0.06 + 0.1 * 0.12 * 0.12), 1e-3,
        "noise in steps, rms mm");
   check(in_steps && largest_m < 1.21e-4, "positions are told in steps");
@@ -277,7 +277,7 @@ void testSprings() {
   struct Case {
     double delay_ms;
     DelayAt at;
-    double share;  // of the damping at the limit
+    double share;  // relative to the damping at the limit
   };
   for (const Case& c : {Case{0, DelayAt::kShow, 3}, Case{0, DelayAt::kShow, 0.7}, Case{2, DelayAt::kSplit, 1.3},
                         Case{2, DelayAt::kShow, 0.7}, Case{2, DelayAt::kMeasure, 0.7}}) {
@@ -294,10 +294,10 @@ void testSprings() {
           what + (c.share < 1 ? "shakes" : "comes to rest"));
     check(result.unbalanced_j < 0.01 * result.turned_over_j + 1e-9, what + "no energy appears in the handle");
   }
-  // A limit K (T / 2 + delay) to first order: Colgate and Schenkel's.
+  // Limit K (T / 2 + delay) to first order (Colgate and Schenkel).
   near(limit(kMass, kStiffness, 0), kStiffness * kPeriod_s / 2, 1e-3, "damping at the limit, no delay");
 
-  // At the limit the spring gives K A^2 w sin(w late) / 2 a second, late = T / 2 + delay.
+  // At the limit the spring transfers the power K A^2 w sin(w late) / 2, late = T / 2 + delay.
   const double delay_s = 2e-3, at_limit = limit(kMass, kStiffness, delay_s);
   const Swing steady = swing(spring, kMass, at_limit, 1e3 * delay_s, DelayAt::kSplit);
   const double w = root(kMass, at_limit, kStiffness, delay_s).imag();
@@ -322,10 +322,10 @@ void testWall() {
                  .seconds = 4,
                  .start_m = {0, 0, 0.005},
                  .follow = {}};
-  // judgeInStep() tells the observer that everything is before the script's phases; its own are not used here.
+  // judgeInStep() reports everything to the observer as before the script's phases; its phases are not used here.
   settings.script = {.wait_s = 0.1, .press_s = 1, .settle_s = 0.5, .draw_s = 0, .still_s = 2.4};
   const Measures m = judgeInStep(settings, in_step);
-  // Hand and wall in series, 15 mm between where the wall begins and where the hand wants to be.
+  // Hand and wall in series, with 15 mm between the wall's surface and the hand's target.
   const double force_n = 0.015 * kStiffness * hand.stiffness_n_m / (kStiffness + hand.stiffness_n_m);
   near(m.still_n, force_n, 0.01 * force_n, "force of a hand at a wall, N");
   check(m.energy_max_mj < 0.01 && judge(m, {}, {}) == Verdict::kOk, "a hand at a wall gives energy and takes none");

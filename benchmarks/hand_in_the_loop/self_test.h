@@ -2,7 +2,7 @@
 
 namespace hand_in_the_loop {
 
-/// Judges stand-ins whose answers are known by paper and pencil; prints what differs.
+/// Judges mock programs with known analytic results; prints differences.
 /// @returns the number of checks that failed.
 int selfTest();
 

@@ -22,7 +22,7 @@ namespace hand_in_the_loop {
 namespace {
 
 constexpr std::int64_t kTick_ns = 1'000'000;
-constexpr int kSteps = 20;  // of the handle in a tick: 20 kHz
+constexpr int kSteps = 20;  // steps of the handle per tick: 20 kHz
 constexpr std::int64_t kStep_ns = kTick_ns / kSteps;
 
 constexpr std::array<Grip, 6> kGrips = {{{"stiff", {1500, 20}},
@@ -42,14 +42,14 @@ constexpr std::array<std::pair<const char*, const char*>, 4> kScenes = {
       "title = \"D: B behind a virtual coupling\"\n[soil]\npreset = \"P6\"\nfriction = \"pairwise\"\n"
       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[coupling]\nkind = \"virtual\"\n"}}};
 
-/// From 0 to 1 without a jump in velocity or acceleration.
+/// Interpolates from 0 to 1 without a jump in velocity or acceleration.
 double smooth(double u) {
   u = std::clamp(u, 0.0, 1.0);
   return u * u * u * (10 - 15 * u + 6 * u * u);
 }
 
 Vec3 wantedPosition(const Script& script, Grip::Opens opens, double at_s) {
-  // A hand that is about to let go at the soil stops a millimetre above it.
+  // A hand that opens at the soil stops 1 mm above it.
   const double depth_mm = opens == Grip::Opens::kAtSoil ? -1 : script.depth_mm;
   const double down = smooth((at_s - script.wait_s) / script.press_s);
   const double z_mm = -script.surface_mm + script.above_mm - down * (script.above_mm + depth_mm);
@@ -66,7 +66,7 @@ Wanted wantedAt(const Script& script, Grip::Opens opens, double at_s) {
       0.5 / kHalf_s * (wantedPosition(script, opens, at_s + kHalf_s) - wantedPosition(script, opens, at_s - kHalf_s))};
 }
 
-/// Tells a mean and a spread for each stretch of the still hold.
+/// Mean and SD for each window of the still hold.
 struct Window {
   double from_s = 0, sum = 0, squares = 0, largest_n = 0, energy_mj = 0;
   long n = 0;
@@ -92,7 +92,7 @@ struct Glitch {
          energy_mj = 0;
   double let_go_ms = -1;
   std::uint32_t sequence = 0;
-  bool seen = false;  ///< an answer was to this packet
+  bool seen = false;  ///< whether this packet was answered
 
   [[nodiscard]] Json json() const {
     return {{"what", what},
@@ -114,7 +114,7 @@ struct Stall {
   }
 };
 
-/// A hand, a handle and a device, and who answers.
+/// Hand, handle and device, and the answering program.
 class Session {
  public:
   Session(const Settings& settings, std::uint16_t port, const Vec3& start_m, double end_s)
@@ -133,7 +133,7 @@ class Session {
   void playInStep(const InStep& in_step) { in_step_ = &in_step; }
   void playAgainst(const Program& program) { program_ = &program; }
 
-  /// Everything up to that time of the run, a whole number of milliseconds; what has come must have been taken.
+  /// Advances to a time of the run, a multiple of 1 ms. All received answers must have been processed.
   void advance(std::int64_t to_ns) {
     while (done_ns_ < to_ns) {
       for (int i = 0; i < kSteps; ++i) {
@@ -170,7 +170,7 @@ class Session {
     }
   }
 
-  /// `at_ns` of the run for a given time of the clock, or the same for all when in step.
+  /// Processes answers. Converts clock time to `at_ns` of the run; in lockstep all have the current time.
   template <class Time>
   void take(const Time& at_ns) {
     while (const auto arrival = link_.take()) {
@@ -181,7 +181,7 @@ class Session {
       const std::int64_t arrived_ns = at_ns(arrival->at_ns);
       const bool holds = answer.live && !answer.let_go;
       if (start_ns_ < 0 ? holds : !holds && restarts_ < kMostRestarts && waits(arrived_ns)) {
-        // A hand that is let go before it has touched anything waits for the next soft start.
+        // After a safety trip before the first contact, the hand waits for the next soft start.
         restarts_ += start_ns_ < 0 ? 0 : 1;
         start_ns_ = done_ns_;
       }
@@ -222,7 +222,7 @@ class Session {
     return json;
   }
 
-  /// Stops the program now and then, and lets it go on.
+  /// Stops the program at random times, and continues it.
   void stall() {
     const double at_s = time();
     if (settings_.task != Task::kStalls || settings_.script.phase(at_s) != Phase::kStill) {
@@ -234,7 +234,7 @@ class Session {
       program_->signal(SIGCONT);
     } else if (resume_s_ < 0 && at_s > resumed_s_ + kStallsApart_s && length(last_.force_n) > kPressed_n &&
                !stallsDone()) {
-      // Evenly spread on a logarithmic scale: short ones are as common as long ones.
+      // Uniform on a logarithmic scale, so that short and long stalls are equally common.
       constexpr double kShortest_ms = 5, kLongest_ms = 500;
       const double u = std::uniform_real_distribution<double>(0, 1)(random_);
       Stall stall;
@@ -278,7 +278,7 @@ class Session {
     return {open ? Hand{} : grip_.hand, weight_n};
   }
 
-  /// Now and then, when all is well, one packet tells something that no hand does.
+  /// Makes single packets implausible at random times, in undisturbed operation.
   void disturb(DevicePacket& packet) {
     const double at_s = time();
     const std::vector<double>& releases_s = observer_.releases();
@@ -291,7 +291,7 @@ class Session {
       if (at_s < glitches_.back().at_s + kGlitchesApart_s) {
         return;
       }
-      if (!glitches_.back().seen) {  // the next packet came in the same tick; once more
+      if (!glitches_.back().seen) {  // the next packet arrived in the same tick; repeat
         glitches_.pop_back();
       }
     }
@@ -328,7 +328,7 @@ class Session {
         glitch.let_go_ms = 1e3 * (at_s - glitch.at_s);
       }
     }
-    // While it is stopped, what it said before may still be on its way.
+    // While the program is stopped, earlier answers may still arrive.
     if (!stalls_.empty() && resume_s_ < 0 && at_s >= resumed_s_ && at_s <= resumed_s_ + kAfterStall_s) {
       Stall& stall = stalls_.back();
       stall.first_n = stall.first_n < 0 ? force_n : stall.first_n;
@@ -369,7 +369,7 @@ class Session {
   Observer observer_;
   double end_s_;
   std::int64_t done_ns_ = 0, start_ns_ = -1;
-  bool open_ = false;  ///< nobody holds the handle any more
+  bool open_ = false;  ///< whether the handle is released
   int restarts_ = 0;
   Reading reading_;
   Answer last_;
@@ -380,7 +380,7 @@ class Session {
   double resume_s_ = -1, resumed_s_ = 0;
 };
 
-/// How punctual the judge itself was.
+/// Lateness of this program.
 struct Punctuality {
   double latest_ms = 0;
   long ticks = 0, late = 0, skipped = 0;
@@ -388,7 +388,7 @@ struct Punctuality {
 
 void becomeRealTime() {
   (void)mlockall(MCL_CURRENT | MCL_FUTURE);
-  // Below the loop (80): the judge must not be what makes the program late.
+  // Below the loop's priority (80), so that this program does not delay haptolith.
   const sched_param parameters{.sched_priority = 70};
   if (sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) != 0) {
     prctl(PR_SET_TIMERSLACK, 1);
@@ -415,7 +415,7 @@ std::string replaced(std::string text, const std::string& what, double by) {
   return text;
 }
 
-/// ';' begins a new line, and so does what follows a table's name in brackets.
+/// Splits text into lines: at ';', and after a table's name in brackets.
 std::string linesOf(const std::string& extra, const DeviceParameters& device) {
   std::string text;
   bool at_start = true, in_name = false;
@@ -434,7 +434,7 @@ std::string linesOf(const std::string& extra, const DeviceParameters& device) {
   return replaced(text, "{noise_mm}", device.noise_mm) + '\n';
 }
 
-/// The line that has an error in it, or else the last.
+/// Returns the line with an error, or else the last line.
 std::string whatItSaid(const std::string& log) {
   std::istringstream lines(log);
   std::string line, last = "(it said nothing)";
@@ -455,7 +455,7 @@ Json rowOf(const Settings& s, const Session& session, const Punctuality& punctua
            int exit_status) {
   const Measures m = session.observer().measures();
   Bars bars = s.bars;
-  bars.still_mm += s.device.step_mm + 2 * s.device.noise_mm;  // what such a device takes for rest
+  bars.still_mm += s.device.step_mm + 2 * s.device.noise_mm;  // rest at the resolution of this device
   const Verdict verdict = judge(m, session.observer().releases(), bars);
   return {{"name", s.name},
           {"soil", s.soil},

@@ -24,7 +24,7 @@ inline double length(const Vec3& a) {
 inline double largest(const Vec3& a) {
   return std::max({a.x, a.y, a.z});
 }
-/// To the nearest multiple of `step`; 0: as it is.
+/// Rounds to the nearest multiple of `step`; 0: unchanged.
 inline Vec3 inSteps(const Vec3& a, double step) {
   return step <= 0 ? a
                    : Vec3{step * std::round(a.x / step), step * std::round(a.y / step), step * std::round(a.z / step)};

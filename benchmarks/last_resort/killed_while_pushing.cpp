@@ -1,8 +1,7 @@
-// Is there ever a force left on a haptic device when the program that shows it is killed? Holds a device of Force
-// Dimension (the stand-in of tests/device, whose motors outlive the program here), shows 3 N, and is killed at a random
-// moment by SIGSEGV, SIGABRT or SIGHUP, sent to the process or to the very thread that is inside the SDK, whose calls
-// take 20 us to 2 ms. Prints a table; exit status 1 when a force was left, or when the program did not die of the
-// signal.
+// Checks that no force remains on a haptic device after the program is killed. A process opens a Force Dimension device
+// (the mock of tests/device, whose motors outlive the process here) and renders 3 N. It is killed at a random time by
+// SIGSEGV, SIGABRT or SIGHUP, sent to the process or to the thread inside the SDK, whose calls take 20 us to 2 ms.
+// Prints a table; exit status 1 if a force remained, or if the process did not end by the signal.
 //
 //     build/release/benchmarks/haptolith_killed_while_pushing [TIMES]
 
@@ -37,10 +36,10 @@ using namespace std::chrono_literals;
 
 struct Shared {
   StandInMotors motors;
-  std::atomic<pid_t> loop{0};  ///< its thread
+  std::atomic<pid_t> loop{0};  ///< thread of the loop
 };
 
-/// Pushes until it is killed. @param crashes  in the midst of a call of the SDK, after 50 of them.
+/// Pushes until it is killed. @param crashes  whether to crash inside a call of the SDK, after 50 calls.
 [[noreturn]] void push(Shared& shared, int call_us, bool crashes) {
   constexpr rlimit kNoCore{0, 0};
   setrlimit(RLIMIT_CORE, &kNoCore);
@@ -104,7 +103,7 @@ Death killed(std::minstd_rand& random, int signal, int call_us, bool loop_itself
 }
 
 int killMany(int times) {
-  std::minstd_rand random(1);  // NOLINT(cert-msc51-cpp): the same moments each time, as far as that goes
+  std::minstd_rand random(1);  // NOLINT(cert-msc51-cpp): reproducible times
   int wrong = 0;
   std::printf("%-8s %-8s %8s  %6s  %10s  %9s  %12s\n", "signal", "sent to", "call, us", "killed", "force left",
               "other end", "longest, ms");
@@ -127,7 +126,7 @@ int killMany(int times) {
       }
     }
   }
-  // Nothing can be promised of the force here, for the SDK holds its lock; but it must die, and soon.
+  // The force is undefined here, because the SDK holds its lock; but the process must end soon.
   const Death inside = killed(random, SIGSEGV, 20, false, true);
   wrong += inside.signal == SIGSEGV ? 0 : 1;
   std::printf("a crash inside the SDK: died of SIG%s%s, for the device's own watchdog\n", sigabbrev_np(inside.signal),

@@ -1,5 +1,5 @@
-// What the C interface costs: a step through it beside one of the scene inside, and a batch of scenes beside threads of
-// their own. Prints medians of interleaved rounds.
+// Overhead of the C interface: a step through it compared with a direct step of the scene, and a batch of scenes
+// compared with separate threads. Prints medians of interleaved rounds.
 
 #include <fmt/format.h>
 #include <haptolith/haptolith.h>
@@ -50,7 +50,7 @@ std::unique_ptr<Scene> ownScene(const std::string& toml) {
   return std::make_unique<Scene>(scene_file.bed, scene_file.tool);
 }
 
-/// Where the tool is at a tick: through the upper soil, to and fro.
+/// Returns the tool's pose at a tick: back and forth through the upper soil.
 hapto_pose poseAt(int tick) {
   return {{0.03 * std::sin(tick * 2e-3), 0.02 * std::cos(tick * 2e-3), 0.03}, {1, 0, 0, 0}};
 }
@@ -62,7 +62,7 @@ HandState handAt(int tick) {
   return hand;
 }
 
-/// A step of few particles that sleep, the tool above them: next to nothing but the call.
+/// Times a step of a small number of sleeping particles without contact, which is almost only the call's overhead.
 void callCost() {
   const std::string toml = "[bed]\nparticles = 16\nlayers = 1\n";
   hapto_scene* const scene = cScene(toml);
@@ -94,7 +94,7 @@ void callCost() {
 }
 
 void batch(int scenes, int threads) {
-  const std::string toml;  // the paper's scene
+  const std::string toml;  // the scene of icra2021
   constexpr int kTicks = 200;
   std::vector<hapto_scene*> handles;
   std::vector<std::unique_ptr<Scene>> own;

@@ -1,6 +1,6 @@
-// Scenes for the comparison with another discrete-element engine: writes where each begins, for the other engine, and
-// runs it. See README.md. Contact friction with a linear spring, and nothing but spheres: floors, plates, the blade
-// and the tray are made of driven particles, so that no engine's idea of a wall takes part.
+// Scenes for the comparison with another discrete-element engine: writes the initial state of each for the other
+// engine, and runs it. See README.md. Contact friction with a linear spring, and only spheres: floors, plates, the
+// blade and the tray consist of driven particles, so that wall models have no effect.
 
 #include <fmt/format.h>
 #include <fmt/ostream.h>
@@ -24,19 +24,19 @@
 namespace haptolith {
 namespace {
 
-constexpr int kRows = 400;  // of a curve; each is a mean over its share of the time
+constexpr int kRows = 400;  // rows of a curve; each is a mean over its part of the time
 
-/// Speed along x at a moment; linear in between, constant after the last.
+/// Speed along x at a time; linear in between, constant after the last.
 struct Knot {
   double time_s, speed_m_s;
 };
 
-/// Keeps the load on a plate that is free to rise and sink, as the shear test of the laboratory does.
+/// Servo for the load on a plate that is free to rise and sink, as in the laboratory's shear test.
 struct Servo {
   double load_n, mass_kg, damping_n_s_m, fastest_m_s;
 };
 
-/// Where a comparison begins and what is done. The last body moves, those before it stand still.
+/// Initial state and movement of a comparison. The last body moves, the others are fixed.
 struct Scene {
   LabConditions conditions;
   LabBox box;
@@ -46,14 +46,16 @@ struct Scene {
   std::vector<Knot> movement{};
   std::optional<Servo> servo{};
   double duration_s = 0;
-  /// Soil that belongs to a body from now on, by its number: where grains cohere otherwise in the other engine they
-  /// would slip on the plates, not on each other.
+  /// Indices of soil particles that are attached to each body. If cohesion in the other engine is different, the soil
+  /// would
+  /// otherwise slip on the plates instead of shearing internally.
   std::vector<std::vector<std::size_t>> glued{};
-  /// What lies deeper has been spilled and touches nothing that counts; the other engine leaves it out.
+  /// Height below which soil has been spilled and no longer matters; the other engine leaves it out.
   double spilled_below_m = -std::numeric_limits<double>::max();
 };
 
-/// gamma = k (2R - a_min)^2 makes the hyperbola (paper 7) no softer than its line anywhere: F = k (2R - a).
+/// Returns soil with linear springs F = k (2R - a): gamma = k (2R - a_min)^2 makes the hyperbola of eq. (7) in icra2021
+/// nowhere softer than its line.
 SoilParameters linearSoil(double damping_ratio) {
   SoilParameters soil;
   soil.friction = FrictionModel::kContact;
@@ -83,11 +85,11 @@ double speedAt(const std::vector<Knot>& movement, double time_s) {
   return movement.back().speed_m_s;
 }
 
-/// What moves the driven body: both engines do exactly this.
+/// Movement of the driven body, identical in both engines.
 class Driver {
  public:
   explicit Driver(const Scene& scene) : scene_(scene) {}
-  /// Before each step, with the force of the step before.
+  /// Returns the velocity for a step, from the force of the previous step.
   Vec3 velocityAt(double time_s, double dt_s, double soil_n) {
     if (scene_.servo) {
       const Servo& servo = *scene_.servo;
@@ -103,20 +105,20 @@ class Driver {
   double sinking_m_s_ = 0;
 };
 
-/// Two balls, of which the upper one comes down obliquely; without gravity.
+/// Two particles; the upper one falls obliquely, without gravity.
 Scene impact(const LabConditions& conditions) {
   Scene scene{.conditions = conditions,
               .box = {.width_m = 0.2, .length_m = 0.2, .periodic_x = true, .periodic_y = true}};
   scene.conditions.gravity_m_s2 = 0;
   scene.soil_m = {{0.002, 0.001, 0.0655}, {0, 0, 0.05}};
   scene.soil_velocity_m_s = {{0.05, -0.1, -0.3}, {0, 0, 0}};
-  scene.bodies_m = {{{0.05, 0.05, 0.02}}};  // far away: the driven body a scene must have
+  scene.bodies_m = {{{0.05, 0.05, 0.02}}};  // far away; the driven body that each scene requires
   scene.movement = {{0, 0}};
   scene.duration_s = 0.08;
   return scene;
 }
 
-/// A ball on two rails of balls that move away under it: sticks, slips, and rolls over them without turning.
+/// Particle on two rails of particles that move away under it: sticks, slips, and passes over them without rotating.
 Scene slide(const LabConditions& conditions) {
   Scene scene{.conditions = conditions,
               .box = {.width_m = 0.14, .length_m = 0.1, .periodic_x = true, .periodic_y = true}};
@@ -133,7 +135,7 @@ Scene slide(const LabConditions& conditions) {
   return scene;
 }
 
-/// Ten balls that fall onto a rough plate between walls.
+/// Ten particles that fall onto a rough plate between walls.
 Scene ten(const LabConditions& conditions) {
   const SoilParameters& soil = conditions.soil;
   const double d = 2 * soil.radius_m;
@@ -146,7 +148,7 @@ Scene ten(const LabConditions& conditions) {
   return scene;
 }
 
-/// A column of 256 grains five wide between rough walls, poured loosely, that falls together on a rough plate.
+/// Column of 256 loosely poured particles, five wide, between rough walls; it falls onto a rough plate.
 Scene column(const LabConditions& conditions) {
   const SoilParameters& soil = conditions.soil;
   const double d = 2 * soil.radius_m;
@@ -159,7 +161,7 @@ Scene column(const LabConditions& conditions) {
   return scene;
 }
 
-/// Takes the settled places over, with everything at rest and no contact remembered.
+/// Copies the settled positions, with everything at rest and without contact history.
 void takePlaces(const LabBed& lab, Scene& scene) {
   scene.soil_m = lab.soilCentres();
   std::size_t next = lab.soil();
@@ -170,15 +172,15 @@ void takePlaces(const LabBed& lab, Scene& scene) {
   }
 }
 
-double normal_pa = 500;  // of `shear`; the last argument may be another
+double normal_pa = 500;  // normal stress of `shear`; the last argument can change it
 
-/// In diameters of grains, and how far one plate goes over the height.
+/// Size in particle diameters, and displacement of a plate relative to the height.
 struct ShearCell {
   double width = 20, length = 12, height = 8, strain = 4;
 };
 
-/// Soil under constant load between two rough plates, periodic in x and y, without gravity: as shear.cpp of the
-/// laboratory has it.
+/// Soil under constant load between two rough plates, periodic in x and y, without gravity, as in the laboratory's
+/// shear.cpp.
 Scene shear(const LabConditions& conditions, const ShearCell& cell) {
   constexpr double kInertialNumber = 0.02;
   constexpr double kRest_s = 0.3;
@@ -213,11 +215,11 @@ Scene shear(const LabConditions& conditions, const ShearCell& cell) {
   const double speed = kInertialNumber * height / d * std::sqrt(normal_pa / soil.rho0_kg_m3);
   const double lasts = cell.strain * height / speed;
   scene.movement = {{0, 0}, {kRest_s, 0}, {kRest_s + 0.02 * lasts, speed}};
-  scene.duration_s = kRest_s + 1.01 * lasts;  // 0.01: what the start takes
+  scene.duration_s = kRest_s + 1.01 * lasts;  // 0.01: duration of the start
   return scene;
 }
 
-/// A plate drawn through a settled bed on a rough floor, periodic in x and y.
+/// Plate drawn through a settled bed on a rough floor, periodic in x and y.
 Scene blade(const LabConditions& conditions) {
   constexpr double kSpacing = 1.6;
   const SoilParameters& soil = conditions.soil;
@@ -248,8 +250,8 @@ Scene blade(const LabConditions& conditions) {
   return scene;
 }
 
-/// A tray on which soil stands higher than its brim: it slumps and spills while the tray is held still, and again when
-/// the tray is moved sideways at 0.1 m/s.
+/// Tray with soil above its rim. The soil slumps and spills while the tray is at rest, and again when it is moved
+/// sideways at 0.1 m/s.
 Scene carry(const LabConditions& conditions) {
   constexpr double kSpacing = 1.6;
   const SoilParameters& soil = conditions.soil;
@@ -262,7 +264,7 @@ Scene carry(const LabConditions& conditions) {
   const double pitch = kSpacing * r;
   const double half_width = (columns - 1) / 2.0 * pitch;
   const double half_length = (rows - 1) / 2.0 * pitch;
-  std::vector<Vec3> tray, forming;  // the collar forms the soil and is taken off
+  std::vector<Vec3> tray, forming;  // the collar forms the soil and is removed
   for (int column = 0; column < columns; ++column) {
     for (int row = 0; row < rows; ++row) {
       const bool is_rim = column == 0 || column == columns - 1 || row == 0 || row == rows - 1;
@@ -301,7 +303,7 @@ Scene sceneNamed(const std::string& name, const LabConditions& conditions) {
                               "\": impact, slide, ten, column, shear, small-shear, blade or carry");
 }
 
-/// Where everything is and what is done with it, as JSON.
+/// Writes initial state and movement as JSON.
 void writeScene(const std::filesystem::path& path, const Scene& scene, const LabBed& lab) {
   const SoilParameters& soil = scene.conditions.soil;
   std::ofstream out(path);
@@ -344,7 +346,7 @@ void writeScene(const std::filesystem::path& path, const Scene& scene, const Lab
   fmt::print(out, "\n]}}\n");
 }
 
-/// The speed of Driver::velocityAt() along x, as a formula of LAMMPS.
+/// Returns the speed of Driver::velocityAt() along x, as a formula of LAMMPS.
 std::string speedFormula(const std::vector<Knot>& movement) {
   std::string text = fmt::format("(v_t>={:.9g})*{:.9g}", movement.back().time_s, movement.back().speed_m_s);
   for (std::size_t i = 1; i < movement.size(); ++i) {
@@ -355,7 +357,7 @@ std::string speedFormula(const std::vector<Knot>& movement) {
   return text;
 }
 
-/// Glues the two layers of soil next to each body to it.
+/// Attaches the two layers of soil next to each body to it.
 void glue(Scene& scene, const LabBed& lab) {
   const double near_m = 4 * scene.conditions.soil.radius_m;
   for (std::size_t body = 0; body < scene.bodies_m.size(); ++body) {
@@ -368,7 +370,7 @@ void glue(Scene& scene, const LabBed& lab) {
   }
 }
 
-/// The same scene for LAMMPS, as `haptolith export --format lammps` writes beds, and what moves its bodies.
+/// Writes the scene for LAMMPS, as `haptolith export --format lammps` writes beds, and the movement of its bodies.
 void writeLammps(const std::filesystem::path& folder, const Scene& scene, const LabBed& lab, LammpsLaw law) {
   LammpsRun run{.title = "a scene of benchmarks/peers",
                 .program = "haptolith",
@@ -401,7 +403,7 @@ variable        still equal 0
 )",
                                  files.typeOf(LammpsRun::kBody), files.typeOf(last), speedFormula(scene.movement));
   if (scene.servo) {
-    // The plate's mass is that of its spheres together; a load and a damper on each of them, and the same force.
+    // The plate's mass is the sum of its spheres; each has its part of the load and of the damper, and the equal force.
     const Servo& servo = *scene.servo;
     load = fmt::format("{:.9g}+{:.9g}*vcm(driven,z)", servo.load_n, servo.damping_n_s_m);
     text += fmt::format(
@@ -434,8 +436,8 @@ run             {2}
   std::ofstream(folder / "in.haptolith") << files.setup << text;
 }
 
-/// Runs the scene and writes its curve: means over each row's steps, and where the driven body and the first particle
-/// are at its end.
+/// Runs the scene and writes its curve: means over each row's steps, and the positions of the driven body and the first
+/// particle at its end.
 void runScene(const std::filesystem::path& path, const Scene& scene, LabBed& lab) {
   const long steps = std::lround(scene.duration_s / lab.dt());
   const long steps_per_row = std::max(1L, std::lround(scene.duration_s / lab.dt() / kRows));

@@ -1,9 +1,10 @@
-// A settled bed for other engines, and how fast haptolith steps it: see speed and README.md.
+// Settled bed for other engines, and haptolith's speed with it: see speed and README.md.
 //
 //     haptolith_peer_speed PARTICLES paper|contact THREADS FOLDER
 //
-// Writes FOLDER/bed.data (LAMMPS) and FOLDER/law.table (contact force over distance), prints one line of JSON that says
-// what the bed is, and then for every line "STEPS" of standard input the seconds that so many steps took.
+// Writes FOLDER/bed.data (LAMMPS) and FOLDER/law.table (contact force over distance), and prints one line of JSON that
+// describes the bed. Then, for every line "STEPS" of standard input, it prints the duration of this number of steps in
+// s.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,7 +29,7 @@ BedParameters sandbox(int particles, FrictionModel friction, int threads) {
   bed.soil = findPreset("P3").soil;
   bed.soil.friction = friction;
   bed.soil.contact_friction = 0.5;
-  bed.soil.attraction_ratio = 1;  // the others know no attraction
+  bed.soil.attraction_ratio = 1;  // the other engines have no attraction
   bed.soil.size_spread = 0;
   bed.sleep = false;
   bed.threads = threads;

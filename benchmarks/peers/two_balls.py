@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The scene `impact` once more, from the equations alone, with either engine's rule for damping across the contact.
+"""Computes the scene `impact` directly from the equations, with either engine's rule for damping across the contact.
 
     benchmarks/peers/two_balls.py build/peers/impact-1.json
 
-Says how far each engine's path is from either rule's, over its length. Rules, with xi the spring across the contact and v
-the sliding speed:
+Prints the distance of each engine's path from that of either rule, relative to its length. Rules, with xi the spring across
+the contact and v the sliding speed:
 
     haptolith   |k_t xi + c_t v| <= mu_p F_elastic
     yade        |k_t xi| <= mu_p F_damped;  the damper's c_t v is added where it sticks

@@ -1,8 +1,8 @@
-# A scene of peer_scene.cpp in Yade (https://yade-dem.org): yade -n -x yade_scene.py <scene.json> <curve.txt>
+# Scene of peer_scene.cpp in Yade (https://yade-dem.org): yade -n -x yade_scene.py <scene.json> <curve.txt>
 #
-# Spheres that do not turn, a linear spring and damper along the line of centres, Cundall and Strack's spring, damper and
-# slider across it. Positions, radii, masses, velocities, movement and the plate's servo come from the scene, and the
-# curve has the same rows as haptolith's.
+# Spheres without rotation, a linear spring and damper along the line of centres, Cundall and Strack's spring, damper and
+# slider across it. Positions, radii, masses, velocities, movement and the plate's servo come from the scene. The curve
+# has the rows of haptolith's.
 
 import json
 import math
@@ -18,13 +18,13 @@ with open(scene_path) as file:
     scene = json.load(file)
 dt = scene['dt_s']
 
-# Two bodies' springs and dampers stand in series, so each gets twice what the contact is to have. (The documentation of
-# 2023.02a says 2 a b / (a + b); it is a b / (a + b), and check_contact() looks.)
+# Springs and dampers of two bodies are in series, so each gets twice the value of the contact. (The documentation of
+# 2023.02a has 2 a b / (a + b); the code has a b / (a + b), which check_contact() verifies.)
 material = O.materials.append(
     ViscElMat(density=1000, frictionAngle=math.atan(scene['mu']), kn=2 * scene['k_n_m'],
               ks=2 * scene['k_t_n_m'], cn=2 * scene['c_n_s_m'], cs=2 * scene['c_t_n_s_m']))
 
-# Soil meets soil and bodies; bodies do not meet each other.
+# Soil is in contact with soil and bodies; bodies are not in contact with each other.
 SOIL, BODY = 1, 2
 
 O.periodic = True
@@ -36,7 +36,7 @@ soil = []
 for x, y, z, radius, vx, vy, vz, body in scene['particles']:
     if body < 0 and z < scene['spilled_below_m']:
         continue
-    # The cell begins at the origin; only differences count.
+    # The cell begins at the origin; only relative positions matter.
     sphere = utils.sphere((x + scene['width_m'] / 2, y + scene['length_m'] / 2, z), radius, material=material)
     sphere.mask = SOIL if body < 0 else SOIL | BODY
     sphere.state.blockedDOFs = 'XYZ' if body < 0 else 'xyzXYZ'
@@ -58,7 +58,7 @@ def speed_at(now):
 
 
 class Driver:
-    """What moves the driven body and what is written down: before each step, with the forces of the step before."""
+    """Movement of the driven body, and output: before each step, with the forces of the previous step."""
 
     def __init__(self):
         self.step = 0
@@ -103,7 +103,7 @@ class Driver:
 
 
 def check_contact():
-    """The constants of a contact, in Yade's own words, are the scene's."""
+    """Checks that the constants of a contact in Yade are those of the scene."""
     for contact in O.interactions:
         if contact.isReal:
             phys = contact.phys
@@ -115,7 +115,7 @@ def check_contact():
 
 
 def stop_spilled():
-    """What has fallen off the tray falls no further: a periodic cell has no floor, and would let it in from above."""
+    """Stops the soil that has fallen off the tray: a periodic cell has no floor, so it would re-enter from above."""
     for number in soil:
         state = O.bodies[number].state
         if state.pos[2] < scene['spilled_below_m']:
@@ -139,6 +139,6 @@ O.dt = dt
 started = time.time()
 O.run(scene['steps'] // 2, True)
 check_contact()
-O.run(scene['steps'] + 1 - O.iter, True)  # one more, whose beginning notes the last
+O.run(scene['steps'] + 1 - O.iter, True)  # one step more, at whose beginning the last is recorded
 driver.curve.close()
 print('%d steps of %d particles in %.0f s' % (scene['steps'], len(O.bodies), time.time() - started))

@@ -1,7 +1,7 @@
-// Staircases and QUEST+ over the levels of friction-quest with simulated people: is their Weber fraction found again,
-// and do the intervals hold what they say? docs/reports/psychometric-coverage.md has the tables that this prints.
+// Bias of the estimated Weber fraction and coverage of the intervals: staircases and QUEST+ over the levels of
+// friction-quest with simulated participants. docs/reports/psychometric-coverage.md has the tables that this prints.
 //
-//     adaptive_coverage [people]        400 of each Weber fraction without a number
+//     adaptive_coverage [people]        default: 400 for each Weber fraction
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
-// Simulated studies of the paper's design, fitted: is the Weber fraction found again, and does the interval hold what
-// it says? docs/reports/psychometric-coverage.md has the table this prints.
+// Bias of the estimated Weber fraction and coverage of the interval: fits of simulated studies with the design of
+// icra2021. docs/reports/psychometric-coverage.md has the table that this prints.
 //
-//     coverage [studies]        1000 without a number
-//     coverage [studies] ml     intervals of maximum likelihood, with overdispersion and lapses free
+//     coverage [studies]        default: 1000
+//     coverage [studies] ml    maximum-likelihood intervals, with free overdispersion and lapse rate
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ namespace {
 
 using namespace haptolith;
 
-/// How participants are, and what is fitted.
+/// Parameters of participants and fit.
 struct Case {
   std::string_view name;
   double answers;  // to each level
@@ -77,7 +77,7 @@ void tell(const Experiment& experiment, const Case& of, int studies) {
              100.0 * below / studies);
 }
 
-/// Answers that are fitted by maximum likelihood.
+/// Parameters of responses that are fitted by maximum likelihood.
 struct LikelihoodCase {
   std::string_view name;
   int levels;

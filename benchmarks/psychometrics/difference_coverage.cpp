@@ -1,6 +1,6 @@
-// Simulated studies of two groups of people, or of the same people in two blocks: how often does the interval of the
-// ratio of Weber fractions hold the truth, and how often does it tell a difference?
-// docs/reports/psychometric-coverage.md has the tables this prints.
+// Coverage of the interval of the ratio of Weber fractions, and power to detect a difference. Simulated studies of two
+// groups of participants, or of one group in two blocks. docs/reports/psychometric-coverage.md has the tables that this
+// prints.
 //
 //     haptolith_difference_coverage [studies] [people in each group] [answers a level] [experiment] [between|within]
 //     200 8 10 both between
@@ -28,11 +28,11 @@ namespace {
 
 using namespace haptolith;
 
-/// How the two groups, or blocks, are.
+/// Parameters of the two groups, or blocks.
 struct Case {
   std::string_view name;
-  double factor = 1;  // of w in the second
-  double spread = 0;  // of ln w between people
+  double factor = 1;  // factor on w in the second
+  double spread = 0;  // SD of ln w between participants
 };
 constexpr std::array<Case, 6> kCases{{{.name = "no difference, alike"},
                                       {.name = "no difference, ln w differs by 0.3", .spread = 0.3},
@@ -44,10 +44,10 @@ constexpr std::array<Case, 6> kCases{{{.name = "no difference, alike"},
 struct Size {
   int studies = 200, people = 8;
   double answers = 10;
-  bool within = false;  // people
+  bool within = false;  // within participants
 };
 
-/// The logarithms of people's w, less that of the person in the middle.
+/// Draws ln w of the participants, relative to the median participant.
 std::vector<double> peopleOf(const Size& size, double spread, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   std::vector<double> people(static_cast<std::size_t>(size.people));

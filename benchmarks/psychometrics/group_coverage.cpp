@@ -1,5 +1,5 @@
-// Simulated groups, fitted by the hierarchical model: is the median person's Weber fraction found again, and does the
-// interval hold what it says? docs/reports/psychometric-coverage.md has the table this prints.
+// Bias of the median participant's Weber fraction and coverage of its interval: fits of simulated groups by the
+// hierarchical model. docs/reports/psychometric-coverage.md has the table that this prints.
 //
 //     haptolith_group_coverage [studies] [answers,answers] [experiment] [people]        400 3,10 both 8
 
@@ -25,13 +25,13 @@ namespace {
 
 using namespace haptolith;
 
-/// How people are.
+/// Parameters of participants.
 struct Case {
   std::string_view name;
-  double spread = 0;      // of ln w between people
-  double bias = 0;        // the test is felt that much more
-  double blind = 0;       // share of answers that are given without having felt anything
-  double pse_spread = 0;  // of ln(PSE) between people, in ln(1 + w)
+  double spread = 0;      // SD of ln w between participants
+  double bias = 0;        // relative excess of the perceived test
+  double blind = 0;       // lapse rate: fraction of random responses
+  double pse_spread = 0;  // SD of ln(PSE) between participants, in units of ln(1 + w)
 };
 constexpr std::array<Case, 8> kCases{{{.name = "people alike"},
                                       {.name = "ln w differs by 0.3", .spread = 0.3},

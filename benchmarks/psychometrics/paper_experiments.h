@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-/// One of the paper's two experiments (section III).
+/// One of the two experiments of icra2021 (section III).
 struct Experiment {
   std::string_view name;
   double reference;

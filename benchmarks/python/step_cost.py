@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a step costs through Python, above what it costs in C: medians of interleaved rounds, in microseconds."""
+"""Overhead of a step through Python over that in C: medians of interleaved rounds, in microseconds."""
 
 import statistics
 import time
@@ -8,7 +8,7 @@ import numpy as np
 
 import haptolith as hp
 
-SCENE = "[bed]\nparticles = 16\nlayers = 1\n"  # asleep under a tool that does not touch it: next to nothing but the call
+SCENE = "[bed]\nparticles = 16\nlayers = 1\n"  # asleep without tool contact: almost only the call
 STEPS = 20_000
 pose = np.array([0, 0, 0.3, 1, 0, 0, 0], dtype=np.float64)
 poses = np.tile(pose, (STEPS, 1))

@@ -1,6 +1,6 @@
-// Does a recording take more and more memory? Writes hours of a run as fast as the disk takes them, in the same
-// portions as a run that is paced, and prints how much memory the program has. Exit status 1 when it grows by more than
-// half a MiB after the first two minutes.
+// Checks that the memory of a recording does not grow. Writes hours of a run as fast as the disk allows, in the batches
+// of a paced run, and prints the memory of the process. Exit status 1 if it grows by more than 0.5 MiB after the first
+// two minutes.
 //
 //     build/release/benchmarks/haptolith_recording_memory FILE.h5 [HOURS [PARTICLES]]
 
@@ -23,9 +23,9 @@ namespace haptolith {
 namespace {
 
 constexpr std::uint64_t kTicksPerS = 1000;
-constexpr std::uint64_t kTicksAtOnce = 25;     // the writer's thread looks so often
-constexpr std::uint64_t kTicksPerFrame = 100;  // ten pictures of the particles a second
-constexpr std::uint64_t kFirst_s = 120;        // what is taken once has been taken by then
+constexpr std::uint64_t kTicksAtOnce = 25;     // polling period of the writer's thread
+constexpr std::uint64_t kTicksPerFrame = 100;  // 10 frames of the particles per second
+constexpr std::uint64_t kFirst_s = 120;        // one-time allocations are complete by then
 constexpr double kMostGrowth_kib = 512;
 
 double residentKib() {
@@ -39,7 +39,7 @@ double heapKib() {
   return static_cast<double>(mallinfo2().uordblks) / 1024;
 }
 
-/// A movement, with forces whose last bits no compression foresees.
+/// Returns the record of a movement with incompressible low bits of the forces.
 TickRecord tickNumber(std::uint64_t n) {
   TickRecord tick;
   tick.time_s = static_cast<double>(n) / kTicksPerS;

@@ -1,9 +1,9 @@
-// What a hand, a device and the soil do together: a sweep over grips, devices, delays and soils, each with and without
-// the passivity controller. CSV on stdout, a summary on stderr.
+// Stability of hand, device and soil: a sweep over grips, devices, delays and soils, each with and without the
+// passivity controller. CSV on stdout, a summary on stderr.
 //
 //     build/release/benchmarks/haptolith_stability --figure docs/images/stability.svg > stability.csv
 //
-// and of devices whose delay, steps and noise nobody has declared, with light hands and the default settings:
+// and for devices with undeclared delay, resolution and noise, with light hands and the default settings:
 //
 //     build/release/benchmarks/haptolith_stability --unknown > unknown.csv
 
@@ -28,9 +28,9 @@
 namespace haptolith {
 namespace {
 
-/// Energy that a hand may be given, J.
+/// Maximum harmless energy transferred to a hand, J.
 constexpr double kHarmless_j = 1e-3;
-/// Work that the force may do on a released handle at a device of unknown delay, J.
+/// Maximum work of the force on a released handle at a device of unknown delay, J.
 constexpr double kReleased_j = 5e-3;
 
 constexpr HoldingHand kHands[]{kStiffHand, kLooseHand, kNoHand, kOpeningHand};
@@ -54,7 +54,7 @@ Soil soilOf(const std::string& preset, const std::string& body, FrictionModel fr
   bed.gravity_m_s2 = {0, 0, -findBody(body).gravity_m_s2};
   if (friction == FrictionModel::kContact) {
     bed.soil.friction = friction;
-    bed.soil.stiffness_n_m = 3000;  // as the named soils have it
+    bed.soil.stiffness_n_m = 3000;  // as in the named soils
     bed.start = BedStart::kRain;
   }
   return {preset, body, friction, bed, {}};
@@ -118,7 +118,7 @@ void print(const std::vector<Cell>& cells) {
   }
 }
 
-/// The worst and the middle of some cells.
+/// Maximum and median of a set of cells.
 struct Worst {
   std::size_t cells = 0, harmful = 0, ended = 0;
   double injected_j = 0, vibration_m = 0, usual_vibration_m = 0, damped_share = 0;
@@ -170,13 +170,14 @@ void summarise(const std::vector<Cell>& cells) {
   }
 }
 
-/// Each cell a point: what the hand was given without the controller and with it, and how far the handle shook.
+/// Draws a point for each cell: energy transferred to the hand and vibration of the handle, without and with
+/// controller.
 void draw(const std::string& path, const std::vector<Cell>& cells) {
-  const double grounds[] = {1e-4, 1e-5};  // what is less lies on the frame: mJ, mm
+  const double grounds[] = {1e-4, 1e-5};  // smaller values are drawn on the frame: mJ, mm
   Figure figure({path, IfThere::kReplace}, 1100, 520);
   for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
     std::vector<std::vector<double>> rows;
-    for (std::size_t i = 0; i + 1 < cells.size(); i += 2) {  // controller off and on stand side by side
+    for (std::size_t i = 0; i + 1 < cells.size(); i += 2) {  // consecutive cells: controller off and on
       const Cell& off = cells[i];
       const Cell& on = cells[i + 1];
       if (off.setting.coupling == coupling) {
@@ -213,7 +214,7 @@ unset multiplot)",
 constexpr int kAssumedDelay_ticks = 10;
 constexpr double kAssumedResolution_m = 1e-4;
 
-/// A handle of 0.1 kg at a device that declares neither its delay nor its resolution.
+/// Returns the case of a handle of 0.1 kg at a device that declares neither delay nor resolution.
 StabilityCase atUnknownDevice(const HoldingHand& hand, int delay_ticks, double step_m, double noise_m) {
   StabilityCase setting;
   setting.hand = hand;
@@ -234,7 +235,7 @@ struct UnknownCell {
   StabilityResult result, without;
 };
 
-/// 3 soils, 5 hands, 5 delays, 3 steps, 2 noises, at a handle of 0.1 kg.
+/// Runs 3 soils, 5 hands, 5 delays, 3 resolutions and 2 noises, with a handle of 0.1 kg.
 int unknownDevices(int threads) {
   const std::vector<SceneFile> scenes{
       loadSceneFileText("title = \"P3, Moon\"", "A"),
@@ -291,8 +292,8 @@ int unknownDevices(int threads) {
   return 0;
 }
 
-/// A handle of 0.1 kg, released 15 mm deep in the soil or dropped from 1 mm or 20 mm, with and without weight, at a
-/// device of unknown delay.
+/// Runs a handle of 0.1 kg at a device of unknown delay: released 15 mm deep in the soil or dropped from 1 mm or 20 mm,
+/// with and without weight.
 int releasedHandles(int threads) {
   const std::vector<SceneFile> scenes{
       loadSceneFileText("title = \"A: P3, Moon\"", "A"),

@@ -24,8 +24,8 @@ Vec3 inSteps(const Vec3& value, double step) {
   return step == 0 ? value : Vec3((value / step).array().round() * step);
 }
 
-/// A device in a simulated hand, to the program a person's, which moves a thousandth of a second with each write(), ten
-/// times finer.
+/// Device in a simulated hand, which the program treats as a person's. It advances by 1 ms with each write(), in ten
+/// substeps.
 class HeldDevice final : public HapticDevice {
  public:
   HeldDevice(const StabilityCase& parameters, double surface_m)
@@ -39,7 +39,7 @@ class HeldDevice final : public HapticDevice {
         told_m_(inSteps(above_m_, parameters.step_m)),
         quick_(kTick_s) {
     if (parameters.hand.opens != Opens::kNever) {
-      hand_.weight_n = 0;  // the hand carries it
+      hand_.weight_n = 0;  // the hand carries the weight
     }
   }
 
@@ -60,7 +60,7 @@ class HeldDevice final : public HapticDevice {
   [[nodiscard]] DeviceInput read() noexcept override {
     const Vec3 noise_m = case_.noise_m * Vec3(uniform(), uniform(), uniform());
     const Vec3 now_m = inSteps(position_m_ + noise_m, case_.step_m);
-    told_m_s_ += 0.3 * ((now_m - told_m_) / kTick_s - told_m_s_);  // as drivers smooth the steps of their encoders
+    told_m_s_ += 0.3 * ((now_m - told_m_) / kTick_s - told_m_s_);  // smoothing of encoder steps, as in drivers
     told_m_ = now_m;
     DeviceInput input;
     input.pose.position_m = now_m;
@@ -89,7 +89,7 @@ class HeldDevice final : public HapticDevice {
   StabilityResult result;
 
  private:
-  /// -1 to 1, the same in every run.
+  /// Returns a random number from -1 to 1, reproducible.
   [[nodiscard]] double uniform() noexcept {
     random_ ^= random_ << 13U;
     random_ ^= random_ >> 7U;
@@ -97,7 +97,7 @@ class HeldDevice final : public HapticDevice {
     return 2 * (static_cast<double>(random_ >> 11U) * 0x1p-53) - 1;
   }
 
-  /// Where the hand wants the handle.
+  /// Returns the hand's target for the handle.
   [[nodiscard]] Vec3 wanted() const {
     const double time_s = static_cast<double>(ticks_) * kTick_s;
     const double depth_m = case_.hand.opens == Opens::kAtSoil ? kAtSoil_m : kDepth_m;
@@ -110,7 +110,7 @@ class HeldDevice final : public HapticDevice {
 
   void move(const Vec3& force_n) {
     constexpr int kSteps = 10;
-    if (ticks_ < kBegins) {  // somebody holds the handle until the tool can be felt
+    if (ticks_ < kBegins) {  // the handle is held until the tool is in the loop
       return;
     }
     const double mass_kg = case_.handle_kg + hand_.mass_kg;
@@ -149,10 +149,10 @@ class HeldDevice final : public HapticDevice {
 
   StabilityCase case_;
   HoldingHand hand_;
-  std::size_t opens_;  ///< in this tick
+  std::size_t opens_;  ///< tick at which the hand opens
   Vec3 above_m_, position_m_, velocity_m_s_ = Vec3::Zero();
   Vec3 told_m_, told_m_s_ = Vec3::Zero();
-  std::array<Vec3, 32> sent_n_;  ///< in the last ticks, round and round
+  std::array<Vec3, 32> sent_n_;  ///< ring buffer of the last ticks
   std::size_t ticks_ = 0;
   double given_j_ = 0, lowest_j_ = 0, released_j_ = 0;
   std::uint64_t random_ = 0x9E3779B97F4A7C15U;
@@ -176,7 +176,7 @@ StabilityResult measureStability(const BedParameters& bed, const LyingSoil& lyin
   handling.coupling.kind = parameters.coupling;
   handling.coupling.spring = parameters.spring;
   handling.safety.passivity = parameters.passivity;
-  handling.safety.soft_start_s = 0;  // it would only hide what comes after
+  handling.safety.soft_start_s = 0;  // would only hide the effect
   HapticLoop loop(scene, device, unpaced, true, handling);
   std::vector<TickRecord> records;
   std::size_t damped = 0;

@@ -1,6 +1,6 @@
-// How fast beds of the named soils can swing, and how much of the stable step 3, 4 and 5 substeps of a millisecond
-// take: settled, sheared under load, under a plate pressed in hard, and under a shovel that stirs, scoops and presses
-// with 12 N.
+// Maximum frequencies of beds of the named soils, and the fraction of the stable step that 3, 4 and 5 substeps per
+// millisecond use. The beds are settled, sheared under load, under a hard-pressed plate, and under a shovel that stirs,
+// scoops and presses with 12 N.
 //
 //     build/release/benchmarks/haptolith_step                        # all named soils
 //     build/release/benchmarks/haptolith_step --soil dry-sand --body Earth
@@ -39,16 +39,16 @@ constexpr double kLook_s = 0.02;
 struct Place {
   SoilParameters soil;
   double gravity_m_s2 = 0;
-  int ticks_per_ms = 1;  ///< more make steps shorter than a tick of 1 ms would have them
+  int ticks_per_ms = 1;  ///< above 1: shorter steps than with a tick of 1 ms
 };
 
-/// The most that was seen of each number.
+/// Maximum of each quantity.
 struct Seen {
-  double touching = 0;                           ///< contacts that overlap, of a particle, mean of all
-  double most_touching = 0;                      ///< of any particle
-  std::array<double, 3> frequency{};             ///< largest m omega^2 / k with k_t / k = 0, as the soil has it, and 1
-  std::array<double, kSubsteps.size()> share{};  ///< of the stable step
-  double warmth_m_s = 0;                         ///< root mean square of speeds, a second after the tool came to rest
+  double touching = 0;                           ///< overlapping contacts per particle, mean
+  double most_touching = 0;                      ///< overlapping contacts per particle, maximum
+  std::array<double, 3> frequency{};             ///< maximum m omega^2 / k with k_t / k = 0, the soil's ratio, and 1
+  std::array<double, kSubsteps.size()> share{};  ///< fraction of the stable step
+  double warmth_m_s = 0;                         ///< root mean square speed, 1 s after the tool stopped
 
   void add(const Seen& other) {
     touching = std::max(touching, other.touching);
@@ -100,7 +100,7 @@ struct Seen {
   }
 };
 
-/// As it is after rain, or in the order of a crystal.
+/// Returns a bed after rain, or as a crystal.
 BedParameters bedOf(const Place& place, int particles, BedStart start = BedStart::kRain) {
   BedParameters bed;
   bed.soil = place.soil;
@@ -113,7 +113,7 @@ BedParameters bedOf(const Place& place, int particles, BedStart start = BedStart
   return bed;
 }
 
-/// Root mean square over all particles.
+/// Returns the root mean square speed of all particles.
 double speedOf(const Bed& bed) {
   double squares = 0;
   for (std::size_t i = 0; i < bed.particles(); ++i) {
@@ -129,7 +129,7 @@ Seen settled(const Place& place) {
   return seen;
 }
 
-/// Between two rough plates, the upper one drawn at 50 mm/s and pressed with a plate of a stress that no test has.
+/// Shears soil between two rough plates, the upper one drawn at 50 mm/s and under a stress above that of all tests.
 Seen pressed(const Place& place, double stress_pa) {
   const double d = 2 * place.soil.radius_m;
   const LabBox box{.width_m = 8 * d, .length_m = 8 * d};
@@ -178,12 +178,12 @@ Seen inTheHand(const Place& place, Manoeuvre manoeuvre) {
   return seen;
 }
 
-/// A tool as a body of an arm's mass and damping, pressed down.
+/// Tool as a body with an arm's mass and damping, pressed down.
 struct Pressing {
   ToolParameters tool{};
   Quat orientation = Quat::Identity();
   Vec3 over_m = Vec3::Zero();  ///< x and y; z above the surface
-  double force_n = 12;         ///< the most that the virtual hand shows, and a sigma.7
+  double force_n = 12;         ///< maximum force of the virtual hand, and of a sigma.7
   BedStart start = BedStart::kRain;
   int particles = 400;
 };

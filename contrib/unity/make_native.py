@@ -31,20 +31,20 @@ class Field:
 
     name: str
     type: str
-    count: int = 0  # of an array that lies in the struct; 0: none
+    count: int = 0  # length of an array in the struct; 0: no array
     comment: str = ""
 
 
 @dataclass
 class Header:
-    """What a header declares."""
+    """Declarations of a header."""
 
     handles: set[str] = field(default_factory=set)
     callbacks: set[str] = field(default_factory=set)
     structs: dict[str, list[Field]] = field(default_factory=dict)
 
     def type_of(self, c_type: str) -> str:
-        """A type of C as C# has it: handles and functions are IntPtr, everything else is a number, a struct or a pointer."""
+        """C# type of a C type: handles and functions are IntPtr, everything else is a number, a struct or a pointer."""
         name = re.sub(r"\bconst\b|\*|\s", "", c_type)
         stars = c_type.count("*")
         if name in self.handles:
@@ -58,34 +58,34 @@ class Header:
         return NUMBERS[name] + "*" * stars
 
     def argument(self, declared: str) -> Field:
-        """The argument "const double m_s2[3]"."""
+        """Parses an argument such as "const double m_s2[3]"."""
         match = re.fullmatch(r"(.*?)(\w+)(\[\d+\])?", declared.strip())
         assert match, declared
         return Field(match[2], self.type_of(match[1] + ("*" if match[3] else "")))
 
     def arguments(self, declared: str) -> list[Field]:
-        """All arguments of a function."""
+        """Parses all arguments of a function."""
         return [] if declared.strip() == "void" else [self.argument(one) for one in declared.split(",")]
 
 
 def one_line(comment: str) -> str:
-    """A comment of C without what marks it."""
+    """Text of a C comment without its delimiters."""
     lines = re.sub(r"^/\*|\*/$", "", comment.strip()).splitlines()
     return " ".join(re.sub(r"^\s*\* ?", "", line).strip() for line in lines).strip()
 
 
 def safe(name: str) -> str:
-    """A name that is none of C#'s own."""
+    """Name, escaped if it is a keyword of C#."""
     return "@" + name if name in KEYWORDS else name
 
 
 def list_of(arguments: list[Field]) -> str:
-    """Arguments as C# declares them."""
+    """Arguments as declared in C#."""
     return ", ".join(f"{one.type} {safe(one.name)}" for one in arguments)
 
 
 def summary(comment: str, indent: str) -> list[str]:
-    """A comment as C# documents what follows."""
+    """C# documentation comment from a C comment."""
     lines = [re.sub(r"^ \* ?", "", line.rstrip()) for line in re.sub(r"^/\*|\*/$", "", comment.strip()).strip().splitlines()]
     if not lines:
         return []
@@ -96,9 +96,9 @@ def summary(comment: str, indent: str) -> list[str]:
 
 
 def struct(header: Header, name: str, declaration: str) -> tuple[list[str], list[str]]:
-    """A struct, and the types of the functions that it points to."""
+    """Declaration of a struct, and the types of its function pointers."""
     body = declaration[declaration.index("{") + 1 : declaration.rindex("}")]
-    body = re.sub(r"^\s*/\*.*?\*/", "", body, flags=re.S)  # what stands behind the brace is told above
+    body = re.sub(r"^\s*/\*.*?\*/", "", body, flags=re.S)  # the comment after the brace is written above the struct
     fields: list[Field] = []
     delegates: list[str] = []
     for declared, comment in re.findall(r"([^;]+);[ \t]*(/\*.*?\*/)?", body, flags=re.S):
@@ -127,12 +127,12 @@ def struct(header: Header, name: str, declaration: str) -> tuple[list[str], list
 
 
 def delegate(name: str, result: str, arguments: str) -> str:
-    """The type of a function that the library calls."""
+    """Declaration of the type of a callback."""
     return f"  [UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n  public unsafe delegate {result} {name}({arguments});\n"
 
 
 def native(header: Header) -> str:
-    """The whole file; fills the header."""
+    """Text of the complete file; fills the header."""
     types: list[str] = []
     constants: list[str] = []
     functions: list[str] = []
@@ -181,7 +181,7 @@ def native(header: Header) -> str:
 
 
 def layout(header: Header, out: Path) -> None:
-    """Two programs that print "struct size" and "struct.field offset", in C and in C#."""
+    """Writes two programs that print "struct size" and "struct.field offset", in C and in C#."""
     c = ["#include <haptolith/haptolith.h>", "#include <stddef.h>", "#include <stdio.h>", "int main(void) {"]
     cs = ["using System;", "using Haptolith;", "static unsafe class Layout", "{", "  static void Main()", "  {"]
     for name, fields in header.structs.items():

@@ -49,7 +49,7 @@ def sizes() -> Iterator[str]:
 
 
 def cells(line: str) -> list[str]:
-    """The cells of a line of a table; none of another line."""
+    """Cells of a line of a table; empty for another line."""
     return [cell.strip() for cell in line.strip().strip("|").split("|")] if line.startswith("|") else []
 
 
@@ -78,7 +78,7 @@ def feature_links(page: Path) -> Iterator[str]:
 
 
 def numbers() -> Iterator[str]:
-    """What results.py --check reports."""
+    """Faults reported by results.py --check."""
     done = subprocess.run([sys.executable, str(MAKE / "results.py"), "--check"], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         yield from (done.stdout + done.stderr).strip().splitlines()

@@ -25,7 +25,7 @@ Rule = tuple[re.Pattern[str], str]
 
 
 def rules() -> tuple[list[Rule], list[Rule]]:
-    """Rules for all texts, and those for comments alone."""
+    """Rules for all texts, and rules only for comments."""
     found: tuple[list[Rule], list[Rule]] = ([], [])
     kind = 0
     for line in (MAKE / "words.txt").read_text().splitlines():
@@ -92,7 +92,7 @@ def parts(file: Path, text: str) -> Iterator[tuple[int, str, bool]]:
 
 
 def hits(file: Path, text: str) -> Iterator[tuple[int, str, str, bool]]:
-    """(line, what was found, what to write instead, in a comment)."""
+    """(line, match, replacement, whether in a comment)."""
     everywhere, in_comments = rules()
     lines = ((n, line, False) for n, line in prose(text)) if file.suffix == ".md" else comments(file, text)
     for number, line, comment in lines:
@@ -105,11 +105,11 @@ def files_in(names: list[str]) -> list[Path]:
     """The tracked texts among these files and folders."""
     tracked = subprocess.run(["git", "-C", str(SOURCE), "ls-files", "--", *[str(Path(name).resolve()) for name in names]], check=True, capture_output=True, text=True)
     return [SOURCE / name for name in tracked.stdout.splitlines()
-            if Path(name).suffix in C_LIKE | HASH_LIKE | {".md"} and not re.search("first_version|tests/data", name) and (SOURCE / name).exists()]
+            if Path(name).suffix in C_LIKE | HASH_LIKE | {".md"} and not re.search("first_version|tests/data|fuzz/corpus", name) and (SOURCE / name).exists()]
 
 
 def check(files: list[Path], lines: dict[Path, set[int]] | None = None) -> int:
-    """Prints the hits, or those in some lines; how many."""
+    """Prints the hits, or those in some lines; returns their number."""
     count = 0
     for file in files:
         for number, found, instead, _ in hits(file, file.read_text()):
@@ -166,7 +166,7 @@ def pages() -> None:
 
 
 def share(folders: list[str]) -> None:
-    """Prints what part of the lines of comments has a hit."""
+    """Prints the fraction of comment lines with a hit."""
     for folder in folders:
         lines = found = 0
         for file in files_in([folder]):

@@ -1,4 +1,4 @@
-"""The program's commands, as its own help tells of them."""
+"""The program's commands, according to its help."""
 
 import re
 import subprocess

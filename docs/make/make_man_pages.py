@@ -23,7 +23,7 @@ def main() -> None:
     told = {"-".join(["haptolith", *command]): (command, text) for command, text in commands(program)}
     with tempfile.TemporaryDirectory() as temporary:
         for name, (command, text) in told.items():
-            # help2man takes the name of what it starts for the page's.
+            # help2man uses the name of the started program as the page's name.
             stand_in = Path(temporary) / name
             (Path(temporary) / f"{name}.txt").write_text(examples_apart(text))
             stand_in.write_text('#!/bin/sh\ncat "$0.txt"\n')

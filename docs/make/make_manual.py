@@ -28,7 +28,7 @@ LANGUAGES = {".toml": "toml", ".c": "c", ".h": "c", ".hpp": "cpp", ".cpp": "cpp"
 # --- the C header -----------------------------------------------------------------------------------------------------
 
 def text_of(comment: str) -> str:
-    """A comment of the header as Markdown: lines "name  what it is" become a list, indented lines go on."""
+    """A comment of the header as Markdown: lines "name  description" become a list, indented lines continue an item."""
     paragraphs: list[str] = []
     for line in re.sub(r"^/\*|\*/$", "", comment.strip()).splitlines():
         line = re.sub(r"^ \* ?", "", line.rstrip())
@@ -138,7 +138,7 @@ def command_line(program: Path) -> str:
     return "\n".join(page)
 
 
-# --- what pages link to -----------------------------------------------------------------------------------------------
+# --- targets of links ----------------------------------------------------------------------------------------------
 
 def page_for(path: str, staged: Path) -> str:
     """The page of a file outside docs/: a Markdown file as it is, others as a listing."""
@@ -150,7 +150,7 @@ def page_for(path: str, staged: Path) -> str:
     if target.exists():
         return name
     target.parent.mkdir(exist_ok=True)
-    target.touch()  # before its links are followed, which may lead back to it
+    target.touch()  # before its links are followed, which may be circular
     if file.is_dir():
         inside = sorted(p.relative_to(SOURCE).as_posix() for p in file.rglob("*") if p.is_file() and p.suffix in LANGUAGES)
         text = f"# {path}\n\n" + "".join(f"- [{p}](../{page_for(p, staged)})\n" for p in inside)
@@ -165,7 +165,7 @@ def page_for(path: str, staged: Path) -> str:
 
 
 def notebook(file: Path, folder: Path) -> str:
-    """A notebook as it was last run: text, code, what it printed, and its figures, which go to the folder."""
+    """A notebook as it was last run: text, code, its output, and its figures, which are written to the folder."""
     folder.mkdir(exist_ok=True)
     page: list[str] = []
     for number, cell in enumerate(json.loads(file.read_text())["cells"]):
@@ -236,9 +236,8 @@ def make(build: Path, out: Path, staged: Path) -> None:
 
 
 def bundle_theme(static: Path) -> None:
-    """Makes Debian's furo, which ships its sources, work in a browser, from a server and from a file: its script is a module that imports
-    another, its style imports a file of the server's, and has lost the dark colours of a browser that prefers them. Excerpts of pages that were
-    found cannot be read from a file."""
+    """Adapts Debian's furo, which ships its sources, to browsers, both from a server and from a file. Its script is a module with an
+import, its style imports a file of the server, and lacks the dark colour scheme. Search results have no excerpts when read from a file."""
     script, imported = static / "scripts/furo.js", static / "scripts/gumshoe-patched.js"
     text = re.sub(r'^import Gumshoe from "[^"]*";\n', "", script.read_text(), flags=re.M)
     if imported.exists() and text != script.read_text():

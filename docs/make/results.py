@@ -14,7 +14,7 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parents[1]
 SOURCE = DOCS.parent
-FACTS = {"command", "machine", "commit", "source", "note"}  # of a table: where its numbers come from
+FACTS = {"command", "machine", "commit", "source", "note"}  # keys of a table that describe the source of its numbers
 
 
 def main() -> None:

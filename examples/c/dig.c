@@ -1,4 +1,4 @@
-/* Presses a shovel into lunar soil and prints what it feels. */
+/* Presses a shovel into lunar soil and prints the force on it. */
 #include <haptolith/haptolith.h>
 #include <stdio.h>
 

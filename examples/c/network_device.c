@@ -3,8 +3,8 @@
  *     haptolith run --device network                                            in one terminal
  *     cc -Iinclude examples/c/network_device.c -lm -o circle && ./circle        in another
  *
- * circle [ADDRESS [SECONDS [HEIGHT_MM]]], of 127.0.0.1:9050, 10 s and -90 mm: the circle's height in the device's frame,
- * whose origin lies 85 mm above the soil. Needs POSIX sockets and a little-endian machine, and knows no keys. */
+ * circle [ADDRESS [SECONDS [HEIGHT_MM]]], default 127.0.0.1:9050, 10 s and -90 mm. The height of the circle is in the device's frame,
+* whose origin is 85 mm above the soil. Needs POSIX sockets and a little-endian machine; does not support keys. */
 #define _POSIX_C_SOURCE 200112L
 #include <arpa/inet.h>
 #include <errno.h>
@@ -31,7 +31,7 @@ static uint64_t now_ns(void) {
   return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
 }
 
-/* A socket that talks to HOST:PORT, without waiting; -1: it is no address. */
+/* Returns a non-blocking socket connected to HOST:PORT; -1 for an invalid address. */
 static int connected_to(const char *address) {
   struct sockaddr_in to = {0};
   char host[64] = "";
@@ -44,7 +44,7 @@ static int connected_to(const char *address) {
   return udp;
 }
 
-/* Where the tool is after t_s, and how fast. */
+/* Sets the tool's pose and velocity after t_s. */
 static void go_round(double t_s, double height_m, hapto_network_packet *packet) {
   const double c = cos(TURN_RAD_S * t_s), s = sin(TURN_RAD_S * t_s);
   packet->position_m[0] = RADIUS_M * c;
@@ -54,7 +54,7 @@ static void go_round(double t_s, double height_m, hapto_network_packet *packet) 
   packet->velocity_m_s[1] = RADIUS_M * TURN_RAD_S * c;
 }
 
-/* Takes the newest answer that has come, if any: 1. 0: none has. -1: nobody listens there. */
+/* Reads the newest received answer. Returns 1; 0 without an answer; -1 if the port is not open. */
 static int newest_answer(int udp, hapto_network_answer *newest) {
   hapto_network_answer answer;
   ssize_t size;

@@ -1,5 +1,5 @@
-/* Runs a scene's own hand for a second, as `haptolith run SCENE --unpaced --duration-s 1 --json` does, and prints the hash of
- * the soil after it: the same as the program's. */
+/* Runs a scene's hand for 1 s, as `haptolith run SCENE --unpaced --duration-s 1 --json` does, and prints the hash of the soil
+* afterwards, which is equal to the program's. */
 #define _POSIX_C_SOURCE 199309L
 #include <haptolith/haptolith.h>
 #include <inttypes.h>

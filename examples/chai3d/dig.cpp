@@ -1,5 +1,5 @@
-// Soil in a CHAI3D application: a bed, a tool, and CHAI3D's loop around them. The handle is a made-up one that presses into the
-// soil, so that this runs without a device or a window; yours comes from chai3d::cHapticDeviceHandler.
+// Soil in a CHAI3D application: a bed, a tool, and CHAI3D's loop around them. A simulated handle presses into the soil, so that
+// this runs without a device or a window; a real one is from chai3d::cHapticDeviceHandler.
 #include <cstdio>
 #include <haptolith/chai3d.hpp>
 
@@ -33,7 +33,7 @@ int main() {
   }
   chai3d::cWorld *world = new chai3d::cWorld;
   hapto::cHaptolithBed *bed = new hapto::cHaptolithBed(scene);
-  bed->setLocalPos(0, 0, -bed->getSurfaceHeight() - 0.02);  // the surface lies 2 cm below the middle of the workspace
+  bed->setLocalPos(0, 0, -bed->getSurfaceHeight() - 0.02);  // the surface is 2 cm below the workspace's centre
   world->addChild(bed);
 
   hapto::cHaptolithTool *tool = new hapto::cHaptolithTool(world, *bed);
@@ -43,18 +43,18 @@ int main() {
   world->computeGlobalPositions(true);
   tool->start();
 
-  for (int tick = 0; tick <= 2500; ++tick) {  // 2.5 s: at 2 s the soft start is over
+  for (int tick = 0; tick <= 2500; ++tick) {  // 2.5 s; the soft start ends at 2 s
     handle->height_m = handle->velocity_m_s * tick * 1e-3;
     world->computeGlobalPositions(true);
     tool->updateFromDevice();
-    tool->advance(1e-3);  // simulated time; with a hand at the device it is the clock's: computeInteractionForces()
+    tool->advance(1e-3);  // simulated time; with a real device, computeInteractionForces() uses the clock
     tool->applyToDevice();
     if (tick % 500 == 0) {
       std::printf("%.1f s feels %6.3f N\n", tick / 1000.0, tool->getDeviceGlobalForce()(2));
     }
   }
   tool->stop();
-  delete world;  // bed and tool with it
+  delete world;  // also deletes bed and tool
   hapto_scene_destroy(scene);
   return 0;
 }

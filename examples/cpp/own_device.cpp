@@ -1,5 +1,5 @@
-// A haptic device of one's own in haptolith's loop: here one that lives in memory, a handle of 0.3 kg on a spring that
-// pulls it into the soil and along it. Yours asks its hardware instead.
+// A custom haptic device in haptolith's loop. Here it is simulated: a handle of 0.3 kg on a spring that pulls it into the soil
+// and along it. A real one reads its hardware instead.
 #include <chrono>
 #include <cstdio>
 #include <haptolith/haptolith.hpp>
@@ -10,7 +10,7 @@ class HandleOnASpring final : public hapto::Device {
   const char *name() const noexcept override { return "handle on a spring"; }
 
   void declare(hapto_device_limits &limits) const noexcept override {
-    limits.simulated = 1;  // nobody's hand is at it
+    limits.simulated = 1;  // no person holds it
     limits.max_force_n = 12;
     limits.workspace_radius_m = 0.15;
     limits.turns = 0;
@@ -43,7 +43,7 @@ int main() try {
   hapto::Scene scene = hapto::Scene::fromFile("paper", {"loop.duration_s=2"});
   HandleOnASpring device;
   hapto::Loop loop(scene, device);
-  loop.start();  // in step with the clock, on a thread of its own
+  loop.start();  // paced by the clock, on a separate thread
   for (hapto_snapshot now = loop.snapshot(); now.running != 0; now = loop.snapshot()) {
     std::printf("%4.1f s  tool at %5.1f mm  %6.3f N  tick %5.1f us\n", now.time_s, now.scene_T_tool.position_m[2] * 1e3,
                 now.device_wrench.force_n[2], now.tick_us_p50);

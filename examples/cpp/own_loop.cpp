@@ -1,5 +1,5 @@
-// A host that owns the device and the loop, as CHAI3D and robot controllers do: haptolith gives the soil's force and makes it
-// safe to show. Nothing in the loop allocates.
+// A host that owns the device and the loop, as CHAI3D and robot controllers do. haptolith computes the soil's force and makes
+// it safe to render. The loop does not allocate.
 #include <cmath>
 #include <cstdio>
 #include <haptolith/haptolith.hpp>
@@ -18,11 +18,11 @@ int main() try {
   scene.placeTool(told.pose);
   double strongest_n = 0;
   for (int tick = 0; tick < 3000; ++tick) {
-    // Your device tells where the handle is; this one dips into the soil and out of it.
+    // The device reports the handle's pose; this one moves into the soil and out of it.
     const double phase = 2 * M_PI * tick / 3000;
     told.pose.position_m[2] = surface_m + 0.02 * std::cos(phase) - 0.015 * (1 - std::cos(phase));
     if (tick == 2000) {
-      told.pose.position_m[2] = NAN;  // a cable that comes loose
+      told.pose.position_m[2] = NAN;  // a loose cable
       const hapto_wrench shown = safety.step(told, scene.wrench());
       std::printf("2.000 s  the handle is nowhere: %.3f N, \"%s\"\n", shown.force_n[2], safety.info().trip);
       continue;

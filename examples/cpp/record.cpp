@@ -1,4 +1,4 @@
-// Records a hand that digs for two seconds, and runs the recording again: record FILE.h5
+// Records a hand that digs for 2 s, and replays the recording: record FILE.h5
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -6,7 +6,7 @@
 
 namespace {
 
-/// Presses into the soil and comes out again, twice a second.
+/// Presses into the soil and moves out of it at 2 Hz.
 class Hand : public hapto::Device {
  public:
   void declare(hapto_device_limits &limits) const noexcept override { limits.simulated = 1; }
@@ -33,7 +33,7 @@ int main(int argc, char **argv) try {
     for (int tick = 0; tick < 2000; ++tick) {
       loop.tick();
       if (tick % 100 == 99) {
-        recorder.take();  // a host with a loop in step with the clock calls this from another thread
+        recorder.take();  // a host with a paced loop calls this from another thread
       }
     }
     recorder.finish();

@@ -3,9 +3,9 @@
 //     haptolith run --device network                                                    in one terminal
 //     mcs examples/csharp/NetworkDevice.cs -out:circle.exe && mono circle.exe           in another
 //
-// circle.exe [ADDRESS [SECONDS [HEIGHT_MM]]], of 127.0.0.1:9050, 10 s and -90 mm: the circle's height in the device's
-// frame, whose origin lies 85 mm above the soil. It needs .NET's own library only, and knows no keys. The packets are
-// those of include/haptolith/network_device.h; their offsets are in docs/reference/udp.md.
+// circle.exe [ADDRESS [SECONDS [HEIGHT_MM]]], default 127.0.0.1:9050, 10 s and -90 mm. The height of the circle is in the
+// device's frame, whose origin is 85 mm above the soil. It needs only .NET's library, and does not support keys. The packets
+// are those of include/haptolith/network_device.h; their offsets are in docs/reference/udp.md.
 
 using System;
 using System.Diagnostics;
@@ -19,9 +19,9 @@ static class NetworkDevice
 {
     const int PacketBytes = 136, AnswerBytes = 80;
     const ushort Version = 1;
-    const ushort Held = 1;                // flags of what is sent: the dead-man switch
+    const ushort Held = 1;                // flag of sent packets: the dead-man switch
     const ushort Live = 1, Tripped = 2;     // flags of answers
-    const double Silence_ms = 20;         // without answers a hand must feel nothing
+    const double Silence_ms = 20;         // time without answers after which the force must be zero
     const double Radius_m = 0.02;
     const double Turn_rad_s = Math.PI / 2;
 
@@ -35,7 +35,7 @@ static class NetworkDevice
         public string State { get { return (Flags & Tripped) != 0 ? "tripped" : (Flags & Live) != 0 ? "live" : "not held"; } }
     }
 
-    // Where the tool is after t_s and how fast. BinaryWriter is little-endian on every machine.
+    // Packet with the tool's pose and velocity after t_s. BinaryWriter is little-endian on every machine.
     static byte[] Packet(uint sequence, ulong time_us, double t_s, double height_m)
     {
         double c = Math.Cos(Turn_rad_s * t_s), s = Math.Sin(Turn_rad_s * t_s);
@@ -58,7 +58,7 @@ static class NetworkDevice
         return bytes.ToArray();
     }
 
-    // Null: it is no answer.
+    // Parses an answer; null for any other packet.
     static Answer? Read(byte[] bytes)
     {
         var reader = new BinaryReader(new MemoryStream(bytes));
@@ -73,7 +73,7 @@ static class NetworkDevice
         return answer; // torque and gripper force follow
     }
 
-    // The newest answer that has come; null: none has.
+    // Returns the newest received answer, or null.
     static Answer? NewestAnswer(UdpClient udp)
     {
         Answer? newest = null;
@@ -82,7 +82,7 @@ static class NetworkDevice
         return newest;
     }
 
-    // Windows sleeps 15 ms where 1 ms is asked for, which is nearly silence.
+    // Windows sleeps 15 ms instead of 1 ms, which is close to the limit without answers.
     static void WaitUntil(Stopwatch clock, double time_ms)
     {
         bool coarse = Environment.OSVersion.Platform == PlatformID.Win32NT;
@@ -138,7 +138,7 @@ static class NetworkDevice
             }
             catch (SocketException)
             {
-                // Nobody listens there, which the system tells with the packet after.
+                // The port is not open, which the system reports at the next packet.
             }
         }
         if (answers == 0)

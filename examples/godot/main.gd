@@ -1,16 +1,16 @@
-# Holds haptolith's tool through its network device: leads it along a circle in the soil and shows the force.
+# Holds haptolith's tool through its network device: leads it along a circle in the soil and displays the force.
 #
 #     haptolith run paper --device network                         in one terminal
-#     godot3-server --path examples/godot                          in another; godot3 shows it, too
+#     godot3-server --path examples/godot                          in another; godot3 also displays it
 #
-# Options: --address=127.0.0.1:9050 --seconds=10 --height-mm=-90, the circle's height over the handle's origin, which lies
-# 85 mm above the soil. Exit status 1: nobody answered, or nothing was felt.
+# Options: --address=127.0.0.1:9050 --seconds=10 --height-mm=-90, the circle's height above the handle's origin, which is
+# 85 mm above the soil. Exit status 1: no answer, or no force.
 extends Spatial
 
 const ANSWER_BYTES = 80
 const VERSION = 1
-const HELD = 1  # flag of what is sent: the dead-man switch
-const SILENCE_MS = 20.0  # without answers for so long a hand must feel nothing
+const HELD = 1  # flag of sent packets: the dead-man switch
+const SILENCE_MS = 20.0  # time without answers after which the force must be zero
 const RADIUS_M = 0.02
 const TURN_RAD_S = PI / 2
 
@@ -19,16 +19,16 @@ var port = 9050
 var seconds = 10.0
 var height_m = -0.09
 
-# A picture takes 16 ms and a hand feels each of them, so the device has a thread of its own. What both know is behind a lock.
+# A frame takes 16 ms, which a hand would feel, so the device has a separate thread. Shared data are protected by a lock.
 var thread = Thread.new()
 var lock = Mutex.new()
 var is_over = false
-var position_m = Vector3()  # of the tool, in Godot's frame
-var force_n = Vector3()  # on the hand, in Godot's frame
+var position_m = Vector3()  # position of the tool, in Godot's frame
+var force_n = Vector3()  # force on the hand, in Godot's frame
 var sent = 0
 var answers = 0
 var strongest_n = 0.0
-var slowest_ms = 0.0  # the longest round trip
+var slowest_ms = 0.0  # maximum round trip
 
 
 func _ready():
@@ -129,7 +129,7 @@ func packet(sequence, time_us, at_m, rotation, velocity_m_s, angular_velocity_ra
 	return bytes.data_array
 
 
-# What the 80 bytes of an answer say; null: they are none.
+# Parses the 80 bytes of an answer; null for any other packet.
 func answer(data):
 	if data.size() != ANSWER_BYTES or data.subarray(0, 3).get_string_from_ascii() != "HLAN":
 		return null
@@ -139,12 +139,12 @@ func answer(data):
 	bytes.seek(4)
 	if bytes.get_u16() != VERSION:
 		return null
-	bytes.seek(16)  # over flags and numbers
+	bytes.seek(16)  # skips flags and numbers
 	var sender_time = bytes.get_u64()
 	return {"sender_time": sender_time, "force_n": get_vector(bytes)}  # torque and the gripper's force follow
 
 
-# Godot has y up and looks along -z; haptolith has z up and looks along y. Both are right-handed, so turns go the same way.
+# Godot has y up and views along -z; haptolith has z up and views along y. Both are right-handed, so rotations have equal signs.
 func put_vector(bytes, godot):
 	bytes.put_double(godot.x)
 	bytes.put_double(-godot.z)

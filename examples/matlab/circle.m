@@ -2,9 +2,9 @@ function circle(port, seconds, height_mm)
 % Leads haptolith's tool along a circle through its network device, and prints the force that a hand would feel.
 %
 %   haptolith run --device network        in a terminal
-%   circle                                in MATLAB; circle(9050, 10, -90) says the same
+%   circle                                in MATLAB; circle(9050, 10, -90) is the default
 %
-% height_mm is the circle's in the device's frame, whose origin lies 85 mm above the soil. Octave needs first:
+% height_mm is the circle's height in the device's frame, whose origin is 85 mm above the soil. Octave needs first:
 % pkg load instrument-control
 if nargin < 1, port = 9050; end
 if nargin < 2, seconds = 10; end

@@ -1,5 +1,5 @@
 function [good, force_n, torque_nm, time_us, live] = network_answer(bytes) %#codegen
-% What the 80 bytes of an answer say; forces are on the hand, in the sender's frame. good is false where they are none.
+% Parses the 80 bytes of an answer; forces are on the hand, in the sender's frame. good is false for any other packet.
 force_n = [0 0 0];  torque_nm = [0 0 0];  time_us = 0;  live = false;
 good = numel(bytes) == 80 && isequal(char(bytes(1:4)), 'HLAN') && typecast(bytes(5:6), 'uint16') == 1;
 if good

@@ -1,8 +1,8 @@
-/* A robot arm digs in MuJoCo: the soil's wrench on its blade goes into xfrc_applied, and the blade's pose into the soil.
+/* A robot arm digs in MuJoCo: the soil's wrench on its blade is applied by xfrc_applied, and the blade's pose moves the tool.
  *
  *     cc arm_digs.c $(pkg-config --cflags --libs haptolith) -lmujoco -lm && ./a.out [CSV]
  *
- * Both run at 1 kHz. The soil's frame stands 0.45 m before the arm's foot. With a CSV's name, every tenth tick is written into it. */
+ * Both run at 1 kHz. The soil's frame is 0.45 m in front of the arm's base. With a CSV's name, every tenth tick is written to it. */
 #include <haptolith/haptolith.h>
 #include <math.h>
 #include <mujoco/mujoco.h>
@@ -40,12 +40,12 @@ static int failed(const char *what) {
 static void reach(double x, double z, double angles[3]) {
   const double a = 0.3, b = 0.25, dz = z - 0.25, r2 = x * x + dz * dz;
   const double inner = acos(fmax(-1, fmin(1, (r2 - a * a - b * b) / (2 * a * b))));
-  angles[1] = inner; /* about y, positive turns the link down */
+  angles[1] = inner; /* about y; positive rotates the link down */
   angles[0] = -atan2(dz, x) - atan2(b * sin(inner), a + b * cos(inner));
   angles[2] = -angles[0] - angles[1];
 }
 
-/* Where the blade is wanted: down into the soil, along it, and up again. */
+/* Target of the blade: down into the soil, along it, and up again. */
 static void wanted(double t, double surface_m, double *x, double *z) {
   const double down = fmin(t, 1), along = fmin(fmax(t - 1, 0), 2) / 2, up = fmin(fmax(t - 3, 0), 1);
   *x = soil_at_m[0] + 0.03 - 0.06 * along;
@@ -53,7 +53,7 @@ static void wanted(double t, double surface_m, double *x, double *z) {
 }
 
 int main(int argc, char **argv) {
-  /* What the blade is for the soil: a box of the same size. */
+  /* The tool in the soil is a box with the size of the blade. */
   const char *overrides[] = {"soil.name=lunar-0-15cm", "bed.start=settled", "bed.depth_mm=40", "tool.shape=box", "tool.size_mm=[60, 50, 4]"};
   hapto_scene *scene = NULL;
   hapto_scene_info info = {sizeof info};
@@ -83,12 +83,12 @@ int main(int argc, char **argv) {
     wanted(data->time, info.surface_m, &x, &z);
     reach(x, z, data->ctrl);
 
-    /* MuJoCo -> soil: the blade's frame in the soil's, and how fast it moves. */
+    /* MuJoCo -> soil: pose and velocity of the blade in the soil's frame. */
     hapto_pose pose;
     hapto_twist twist;
     hapto_wrench felt;
     double velocity[6];
-    mj_objectVelocity(model, data, mjOBJ_BODY, blade, velocity, 0); /* turning, then moving, in the world's axes */
+    mj_objectVelocity(model, data, mjOBJ_BODY, blade, velocity, 0); /* angular, then linear velocity, in world axes */
     for (int i = 0; i < 3; ++i) {
       pose.position_m[i] = data->xpos[3 * blade + i] - soil_at_m[i];
       twist.angular_rad_s[i] = velocity[i];

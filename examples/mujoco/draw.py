@@ -25,14 +25,14 @@ run = np.genfromtxt(sys.argv[1], delimiter=",", names=True)
 
 
 def elbow(x, z):
-    """Where the elbow is when the blade is at (x, z): up."""
+    """Position of the elbow (up) for a blade at (x, z)."""
     dz = z - SHOULDER_M
     inner = np.arccos(np.clip((x * x + dz * dz - UPPER_M**2 - FORE_M**2) / (2 * UPPER_M * FORE_M), -1, 1))
     lift = np.arctan2(dz, x) + np.arctan2(FORE_M * np.sin(inner), UPPER_M + FORE_M * np.cos(inner))
     return UPPER_M * np.cos(lift), SHOULDER_M + UPPER_M * np.sin(lift)
 
 
-# The grains in the middle 40 mm, at each line of the file.
+# Particles in the central 40 mm, at each line of the file.
 grains = []
 with hp.Scene("paper", soil__name="lunar-0-15cm", bed__start="settled", bed__depth_mm=40, tool__shape="box",
               tool__size_mm=[60, 50, 4]) as scene:
@@ -49,7 +49,7 @@ with hp.Scene("paper", soil__name="lunar-0-15cm", bed__start="settled", bed__dep
 
 
 def draw(axes, line):
-    """The arm, the blade and the soil."""
+    """Draws the arm, the blade and the soil."""
     x, z = run["x_m"][line], run["z_m"][line]
     joint = elbow(x, z)
     for place in grains[min(line, len(grains) - 1)]:
@@ -79,7 +79,7 @@ if len(sys.argv) > 3:
     film, (arm, felt) = plt.subplots(2, figsize=(5.6, 5), height_ratios=[3, 1.4], layout="constrained")
 
     def frame(line):
-        """One picture of the film."""
+        """Draws one frame of the animation."""
         arm.clear()
         draw(arm, line)
         felt.clear()

@@ -1,15 +1,15 @@
-// Looks on while haptolith runs, as the page does, and says how many frames came, of how many particles, and how large
-// the force was. Exit status 1: it could not connect, or a message was damaged.
+// Connects to a running haptolith, as the page does, and prints the number of frames, the number of particles, and the
+// maximum force. Exit status 1: no connection, or a damaged message.
 //
 //     haptolith run paper --hand scoop --port 8080          in one terminal
 //     node watch.mjs --address ws://127.0.0.1:8080/ws       in another, where haptolith-protocol is installed (docs/reference/web-protocol.md)
 //
-// Options: --address, --seconds 5, and where the program wants one, --token TEXT.
+// Options: --address, --seconds 5, and --token TEXT if the program requires one.
 
 import { decodeFrame, decodeMessage, encodeCommand, SUBPROTOCOL } from 'haptolith-protocol';
 import { parseArgs } from 'node:util';
 
-// Node has had a WebSocket of its own since 22. Neither sends an Origin, so the program takes them for what they are: no page.
+// Node has a built-in WebSocket since version 22. Neither sends an Origin, so the program does not treat it as a page.
 const Socket = globalThis.WebSocket ?? (await import('ws')).default;
 
 const { values: options } = parseArgs({
@@ -31,7 +31,7 @@ let frames = 0;
 let strongest_n = 0;
 
 function readText(text) {
-  const message = decodeMessage(text); // null: of a later program
+  const message = decodeMessage(text); // null: message of a later version
   switch (message?.type) {
     case 'hello':
       console.log(`haptolith ${message.version}, this is client ${message.client}`);
@@ -52,7 +52,7 @@ function readFrame(bytes) {
 }
 
 socket.onopen = () => {
-  socket.send(encodeCommand({ do: 'colour', by: 'force' }, 1)); // contact forces in the records, too
+  socket.send(encodeCommand({ do: 'colour', by: 'force' }, 1)); // include contact forces in the records
   setTimeout(() => socket.close(), Number(options.seconds) * 1000);
 };
 socket.onmessage = ({ data }) => {

@@ -15,7 +15,7 @@ picture = Path(sys.argv[1] if len(sys.argv) > 1 else "dig.png")
 if picture.exists():
     sys.exit(f"{picture} is there already: name another file")
 
-settled = {"bed__start": "settled", "bed__depth_mm": 40}  # as it comes to rest, not as a crystal
+settled = {"bed__start": "settled", "bed__depth_mm": 40}  # settled at random, not a crystal
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for name, keys in {
     "P3, the paper's": {"soil__preset": "P3"},

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sixty-four scenes at once on all threads, each dug in another place: how much the place matters."""
+"""Runs 64 scenes in parallel on all threads, each dug at a different place, and prints the effect of the place."""
 
 import time
 
@@ -8,7 +8,7 @@ import numpy as np
 import haptolith as hp
 
 first = hp.Scene("paper")
-scenes = [first] + [first.clone() for _ in range(63)]  # the same soil, made once
+scenes = [first] + [first.clone() for _ in range(63)]  # equal soil, made once
 surface_m = first.info.surface_m
 
 ticks = 400

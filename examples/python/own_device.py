@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A device in Python in the 1 kHz loop: a handle on a spring that is pulled into the soil. For trying things out; a device for a
-person's hand belongs into C or C++."""
+"""A device in Python in the 1 kHz loop: a handle on a spring that is pulled into the soil. For experiments only; a device for a
+person's hand should be written in C or C++."""
 
 import time
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the device wrench, and how high the soil lies at the end: recording_to_figure.py RUN.h5 FIGURE.png
+"""Draws the device wrench, and the height of the soil at the end: recording_to_figure.py RUN.h5 FIGURE.png
 
 Make a recording with: haptolith run paper --hand scoop --unpaced --duration-s 8 --record run.h5"""
 
@@ -29,7 +29,7 @@ for axis, name in enumerate(("to the right", "away", "upwards")):
 force.set(xlabel="time / s", ylabel="force at the device / N", title=title)
 force.legend()
 
-# Middle of the box, looked at from the front.
+# Central slab of the box, front view.
 slab = grains[np.abs(grains[:, 1]) < 0.02]
 soil.scatter(1e3 * slab[:, 0], 1e3 * slab[:, 2], s=60, color="tab:brown", edgecolors="white", linewidths=0.5)
 soil.set(xlabel="x / mm", ylabel="height / mm", title="centres of the grains in the middle 40 mm, at the end")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Finds the macroparticles of a soil that was sheared in a laboratory, and digs in it: soil_from_shear_test.py [specimens]
+"""Calibrates particles to the shear test of a soil, and digs in it: soil_from_shear_test.py [specimens]
 
-Takes some minutes with 5 specimens to verify with; 2 are the fewest."""
+Takes several minutes with 5 specimens for verification; the minimum is 2."""
 
 import sys
 from pathlib import Path

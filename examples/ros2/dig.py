@@ -5,7 +5,7 @@
     source /opt/ros/DISTRO/setup.bash
     examples/ros2/dig.py --surface-m 0.09                  in another; the height that haptolith prints at its start
 
-It was written from rclpy's documentation and has never met a real ROS 2: docs/how-to/ros2.md says what was tried.
+Written from rclpy's documentation and not tested with a real ROS 2: docs/how-to/ros2.md lists the tests.
 """
 import argparse
 import math
@@ -15,21 +15,21 @@ from geometry_msgs.msg import PoseStamped, WrenchStamped
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 
-PERIOD_S = 0.01  # targets come 100 times a second: haptolith lets the tool go when none has come for 0.1 s
+PERIOD_S = 0.01  # targets at 100 Hz: haptolith releases the tool after 0.1 s without one
 
 
 class Digger(Node):
     def __init__(self, surface_m, depth_m):
         super().__init__("digger")
         self.surface_m, self.depth_m, self.time_s, self.wrench = surface_m, depth_m, 0.0, None
-        # Best effort, as haptolith sends: a subscription that asks for reliable messages gets none.
+        # Best effort, as in haptolith; a subscription with reliable delivery receives nothing.
         self.create_subscription(WrenchStamped, "/haptolith/wrench", self.hear, qos_profile_sensor_data)
         self.targets = self.create_publisher(PoseStamped, "/haptolith/target_pose", 1)
         self.create_timer(PERIOD_S, self.lead)
         self.create_timer(0.5, self.tell)
 
     def lead(self):
-        """A circle of 30 mm; the first five seconds go from 50 mm above the soil down into it."""
+        """A circle of 30 mm; the first 5 s move from 50 mm above the soil down into it."""
         self.time_s += PERIOD_S
         sunk = min(1.0, self.time_s / 5)
         target = PoseStamped()

@@ -37,8 +37,8 @@ TEST(SleepUntil, ReturnsAtOnceWhenTheTimeIsPast) {
 }
 
 TEST(SleepUntil, DoesNotAddUpTheWorkBetweenTwoTicks) {
-  // Ticks of 5 ms with 2 ms of work each. A sleep of 5 ms after the work would never be shorter; one until the next tick
-  // takes 3 ms, or no time on a machine that is late.
+  // Ticks of 5 ms with 2 ms of work each. A sleep of 5 ms after the work would never be shorter; one until the next
+  // tick takes 3 ms, or no time on a machine that is late.
   constexpr int kTicks = 40;
   const std::int64_t start_ns = monotonicNs();
   std::int64_t shortest_ns = std::numeric_limits<std::int64_t>::max();

@@ -117,12 +117,12 @@ std::string soilLines(const SoilParameters& soil) {
 std::string textOf(const SoilFile& file) {
   std::string text = fmt::format(
       "{}\n"
-      "# What an engineer measured.\n[target]\n{}\n"
-      "# What the macroparticles need to behave like that.\n[soil]\n{}",
+      "# Reference: engineering properties.\n[target]\n{}\n"
+      "# Calibrated parameters of the particles.\n[soil]\n{}",
       linesOf("", file), linesOf("target", file), soilLines(file.soil));
   if (file.reached) {
-    text +=
-        fmt::format("\n# What `haptolith lab calibrate` measured in the end.\n[reached]\n{}", linesOf("reached", file));
+    text += fmt::format("\n# Simulated properties after `haptolith lab calibrate`.\n[reached]\n{}",
+                        linesOf("reached", file));
   }
   return text;
 }

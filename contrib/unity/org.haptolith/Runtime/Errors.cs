@@ -2,7 +2,7 @@ using System;
 
 namespace Haptolith
 {
-  /// <summary>Why something was not done.</summary>
+  /// <summary>Reasons for a failure.</summary>
   public enum Status
   {
     Ok = Native.HAPTO_OK,
@@ -20,7 +20,7 @@ namespace Haptolith
     Ended = Native.HAPTO_ENDED
   }
 
-  /// <summary>Something was not done; the message is the library's.</summary>
+  /// <summary>A failure, with the library's message.</summary>
   public class HaptolithException : Exception
   {
     public HaptolithException(Status status, string message) : base(message)
@@ -31,7 +31,7 @@ namespace Haptolith
     public Status Status { get; private set; }
   }
 
-  /// <summary>A value is not valid.</summary>
+  /// <summary>An invalid value.</summary>
   public sealed class InvalidParameterException : HaptolithException
   {
     public InvalidParameterException(string message, string key, string value, string valid)
@@ -42,20 +42,20 @@ namespace Haptolith
       Valid = valid;
     }
 
-    /// <summary>Which: "bed.threads".</summary>
+    /// <summary>Name of the key: "bed.threads".</summary>
     public string Key { get; private set; }
 
-    /// <summary>As it was given.</summary>
+    /// <summary>The given value.</summary>
     public string Value { get; private set; }
 
-    /// <summary>What would be valid: "a whole number, 1 to 256".</summary>
+    /// <summary>Valid values: "a whole number, 1 to 256".</summary>
     public string Valid { get; private set; }
   }
 
-  /// <summary>Statuses as exceptions.</summary>
+  /// <summary>Converts statuses to exceptions.</summary>
   static unsafe class Check
   {
-    /// <summary>For functions that note what was wrong; to be called on the thread that called them, at once.</summary>
+    /// <summary>For functions that store an error message; to be called immediately, on the thread of the call.</summary>
     public static void Require(int status)
     {
       if (status != Native.HAPTO_OK)
@@ -64,7 +64,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>For functions marked [1 kHz], which tell the status alone: what is noted belongs to an earlier call.</summary>
+    /// <summary>For functions marked [1 kHz], which report only the status: a stored message belongs to an earlier call.</summary>
     public static void RequireOfTick(int status)
     {
       if (status != Native.HAPTO_OK)

@@ -3,7 +3,7 @@ using System.Runtime.InteropServices;
 
 namespace Haptolith
 {
-  /// <summary>Owns a hapto_scene. The runtime destroys it at the latest when it unloads this code.</summary>
+  /// <summary>Owns a hapto_scene. The runtime destroys it when it unloads this code, or earlier.</summary>
   public sealed class SceneHandle : SafeHandle
   {
     internal SceneHandle(IntPtr scene) : base(IntPtr.Zero, true)
@@ -22,12 +22,12 @@ namespace Haptolith
     }
   }
 
-  /// <summary>Owns a hapto_loop, and keeps the scene alive that the loop works on.</summary>
+  /// <summary>Owns a hapto_loop, and keeps its scene alive.</summary>
   public sealed class LoopHandle : SafeHandle
   {
     readonly SceneHandle scene_;
 
-    /// <summary>The scene has had its DangerousAddRef() for this.</summary>
+    /// <summary>DangerousAddRef() of the scene has already been called.</summary>
     internal LoopHandle(IntPtr loop, SceneHandle scene) : base(IntPtr.Zero, true)
     {
       scene_ = scene;
@@ -47,7 +47,7 @@ namespace Haptolith
     }
   }
 
-  /// <summary>A handle for the time of a call: nobody destroys it meanwhile. Throws ObjectDisposedException when it is gone.</summary>
+  /// <summary>A handle for the duration of a call, protected from destruction. Throws ObjectDisposedException if it is destroyed.</summary>
   struct Borrowed : IDisposable
   {
     public readonly IntPtr Address;

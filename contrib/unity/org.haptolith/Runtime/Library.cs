@@ -15,7 +15,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>What there is, as JSON: "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set".</summary>
+    /// <summary>Lists the available "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set", as JSON.</summary>
     public static string List(string what)
     {
       RequireSameVersion();
@@ -32,7 +32,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>While versions are 0.x, another minor version may lay its structs out otherwise.</summary>
+    /// <summary>For versions 0.x, the layout of structs may change with the minor version.</summary>
     internal static void RequireSameVersion()
     {
       uint version;

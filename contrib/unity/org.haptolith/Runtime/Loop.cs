@@ -2,7 +2,7 @@ using System;
 
 namespace Haptolith
 {
-  /// <summary>Why the safety layer makes the hand feel nothing: hapto_tick.trip.</summary>
+  /// <summary>Cause of a safety trip: hapto_tick.trip.</summary>
   public enum Trip : uint
   {
     None = Native.HAPTO_TRIP_NONE,
@@ -16,7 +16,7 @@ namespace Haptolith
     Implausible = Native.HAPTO_TRIP_IMPLAUSIBLE
   }
 
-  /// <summary>What happened in a tick or before it: hapto_tick.flags.</summary>
+  /// <summary>Events in a tick or before it: hapto_tick.flags.</summary>
   [Flags]
   public enum TickFlags : uint
   {
@@ -36,63 +36,63 @@ namespace Haptolith
     ParticleMoved = Native.HAPTO_TICK_PARTICLE_MOVED
   }
 
-  /// <summary>A picture of a running loop.</summary>
+  /// <summary>A snapshot of a running loop.</summary>
   public struct LoopSnapshot
   {
-    /// <summary>False: not started, or ended.</summary>
+    /// <summary>Whether the loop is running; false before the start and after the end.</summary>
     public bool Running;
 
-    /// <summary>Why it ended, in words; "" while it runs.</summary>
+    /// <summary>Reason for the end of the loop; "" while it runs.</summary>
     public string End;
 
-    /// <summary>Why the hand feels nothing just now; "" when it does.</summary>
+    /// <summary>Reason for the current safety trip; "" without one.</summary>
     public string Trip;
 
     public bool Paused;
     public ulong Ticks;
     public ulong DeadlineMisses;
 
-    /// <summary>Of DeadlineMisses: the tick's own work took too long, as with soil too fine for this machine.</summary>
+    /// <summary>Part of DeadlineMisses: the tick's work took too long, for example because the soil is too fine for this machine.</summary>
     public ulong MissesTooLong;
 
-    /// <summary>Of DeadlineMisses: the machine woke the loop's thread late.</summary>
+    /// <summary>Part of DeadlineMisses: the system woke the loop's thread late.</summary>
     public ulong MissesWokenLate;
 
-    /// <summary>Of DeadlineMisses: the processor was taken away during the tick.</summary>
+    /// <summary>Part of DeadlineMisses: the thread was preempted during the tick.</summary>
     public ulong MissesPreempted;
 
     public double Time_s;
     public Pose Scene_T_Tool;
     public double Opening_m;
 
-    /// <summary>Of the last tick: what the soil does to the tool, about the tool's origin, scene frame, unfiltered.</summary>
+    /// <summary>Wrench of the soil on the tool in the last tick, about the tool's origin, scene frame, unfiltered.</summary>
     public Wrench SoilWrench;
 
-    /// <summary>Of the last tick: what the device was sent, about the handle's origin, device frame.</summary>
+    /// <summary>Wrench sent to the device in the last tick, about the handle's origin, device frame.</summary>
     public Wrench DeviceWrench;
 
-    /// <summary>Deprecated: DeviceWrench turned into the scene's axes. Read DeviceWrench, or SoilWrench.</summary>
+    /// <summary>Deprecated: DeviceWrench rotated into the scene's axes. Use DeviceWrench or SoilWrench.</summary>
     public Wrench Felt;
 
-    /// <summary>Share of the last 100 ticks that ended in time.</summary>
+    /// <summary>Fraction of the last 100 ticks that ended in time.</summary>
     public double SuccessRate;
 
     public double TickP99_us;
 
-    /// <summary>How many positions this picture has; 0 before the first.</summary>
+    /// <summary>Number of positions in this snapshot; 0 before the first one.</summary>
     public long Particles;
   }
 
   /// <summary>
-  /// Joins a scene and the device that it names at 1 kHz, on a thread of the library's, with the safety layer. No C# runs in it: one
-  /// thread, such as Unity's main thread, polls it once a frame. The scene belongs to the loop until Dispose().
+  /// Connects a scene with its device at 1 kHz, on a thread of the library, with the safety layer. No C# code runs in the loop: one
+/// thread, such as Unity's main thread, polls it once per frame. The scene belongs to the loop until Dispose().
   /// </summary>
   public sealed unsafe class Loop : IDisposable
   {
     readonly LoopHandle handle_;
     hapto_snapshot latest_;
 
-    /// <summary>keep_ticks: for TakeTicks().</summary>
+    /// <summary>keep_ticks: keeps records of ticks for TakeTicks().</summary>
     public Loop(Scene scene, bool keep_ticks = false)
     {
       bool added = false;
@@ -111,13 +111,13 @@ namespace Haptolith
       handle_ = new LoopHandle(made, scene.Handle);
     }
 
-    /// <summary>For functions of Native that this class does not have.</summary>
+    /// <summary>Handle for functions of Native that are missing in this class.</summary>
     public LoopHandle Handle
     {
       get { return handle_; }
     }
 
-    /// <summary>Runs it on a thread of its own, in step with the clock unless the scene says loop.paced=false.</summary>
+    /// <summary>Starts the loop on a separate thread, paced by the clock unless the scene has loop.paced=false.</summary>
     public void Start()
     {
       using (Borrowed loop = new Borrowed(handle_))
@@ -126,7 +126,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Ends it: a person's hand is let go softly, and the thread has ended on return.</summary>
+    /// <summary>Ends the loop: the force on a person's hand fades out, and the thread has ended on return.</summary>
     public void Stop()
     {
       using (Borrowed loop = new Borrowed(handle_))
@@ -135,7 +135,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Lets time stand still, or go on.</summary>
+    /// <summary>Pauses or resumes time.</summary>
     public void Pause(bool on)
     {
       using (Borrowed loop = new Borrowed(handle_))
@@ -144,7 +144,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>As Scene.Change() while it runs: no hand feels a jump.</summary>
+    /// <summary>As Scene.Change(), in the running loop, without a jump of the force.</summary>
     public void Change(params string[] overrides)
     {
       using (TextList texts = new TextList(overrides))
@@ -154,7 +154,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>The newest picture, some 60 a second. Makes no garbage while the loop runs and the hand feels something.</summary>
+    /// <summary>Returns the newest snapshot, about 60 per second. Allocates no memory while the loop runs without a safety trip.</summary>
     public LoopSnapshot Poll()
     {
       hapto_snapshot now = new hapto_snapshot { size = (uint)sizeof(hapto_snapshot) };
@@ -186,7 +186,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Copies the centres of the picture that Poll() fetched, as x y z after x y z, m; room is for how many particles.</summary>
+    /// <summary>Copies the particle centres of the last Poll(), m, as consecutive x y z; room is the capacity in particles.</summary>
     public long CopyPositions(float* xyz_m, long room, Frame frame)
     {
       using (Borrowed loop = new Borrowed(handle_))
@@ -197,7 +197,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>The same into an array of three numbers for each particle.</summary>
+    /// <summary>As above, into an array of three numbers per particle.</summary>
     public long CopyPositions(float[] xyz_m, Frame frame)
     {
       fixed (float* to = xyz_m)
@@ -206,7 +206,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>The ticks that wait, the oldest first, at most room of them; lost is how many nobody took in time. Tells how many.</summary>
+    /// <summary>Takes up to room waiting ticks, the oldest first; lost is the number lost so far. Returns their number.</summary>
     public long TakeTicks(hapto_tick* ticks, long room, out ulong lost)
     {
       ulong count = 0, missed = 0;
@@ -218,7 +218,7 @@ namespace Haptolith
       return (long)count;
     }
 
-    /// <summary>Stops it and gives the scene back; a second time does nothing.</summary>
+    /// <summary>Stops the loop and releases the scene; repeated calls have no effect.</summary>
     public void Dispose()
     {
       handle_.Dispose();

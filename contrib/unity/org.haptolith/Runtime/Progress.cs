@@ -8,13 +8,13 @@ using AOT;
 namespace Haptolith
 {
   /// <summary>
-  /// Told now and then what is being done and how much of it is, 0 to 1, or -1 where that is not known. False gives up.
-  /// May come from another thread than the caller's, one at a time.
+  /// Receives the name of the current work and its completed fraction, 0 to 1, or -1 if unknown. Returning false cancels.
+/// Called from any thread, by one at a time.
   /// </summary>
   public delegate bool Progress(string what, double share);
 
 #if !UNITY_5_3_OR_NEWER
-  /// <summary>Unity's compiler ahead of time looks for an attribute of this name; elsewhere it says nothing.</summary>
+  /// <summary>Unity's ahead-of-time compiler needs an attribute of this name; elsewhere it has no effect.</summary>
   [AttributeUsage(AttributeTargets.Method)]
   sealed class MonoPInvokeCallbackAttribute : Attribute
   {
@@ -24,10 +24,10 @@ namespace Haptolith
   }
 #endif
 
-  /// <summary>A progress function as the library calls it: a static function, and a pointer that says which. For the time of a call.</summary>
+  /// <summary>A progress function for the library: a static function and a pointer to its target, for the duration of a call.</summary>
   sealed unsafe class ProgressCall : IDisposable
   {
-    // Nothing else refers to it while the library does.
+    // Keeps the object alive while the library refers to it.
     static readonly hapto_progress told_function_ = Told;
 
     readonly Progress progress_;
@@ -45,12 +45,12 @@ namespace Haptolith
       }
     }
 
-    /// <summary>NULL without a progress function.</summary>
+    /// <summary>Function pointer for the library; NULL without a progress function.</summary>
     public IntPtr Function { get; private set; }
 
     public void* User { get; private set; }
 
-    /// <summary>What the progress function threw goes on here: it must not go through the library.</summary>
+    /// <summary>Rethrows the exception of the progress function, which must not pass through the library.</summary>
     public void Rethrow()
     {
       if (thrown_ != null)

@@ -4,8 +4,8 @@ using System.Runtime.InteropServices;
 namespace Haptolith
 {
   /// <summary>
-  /// Soil in a box and a tool. Poses, forces and torques are in the scene's frame (UnityFrame leads to Unity's). Belongs to one
-  /// thread at a time; another gets Status.Busy.
+  /// Soil in a box and a tool. Poses, forces and torques are in the scene's frame (UnityFrame converts to Unity's). Not thread-safe:
+/// a concurrent call gets Status.Busy.
   /// </summary>
   public sealed unsafe class Scene : IDisposable
   {
@@ -16,16 +16,16 @@ namespace Haptolith
       handle_ = new SceneHandle(scene);
     }
 
-    /// <summary>For functions of Native that this class does not have.</summary>
+    /// <summary>Handle for functions of Native that are missing in this class.</summary>
     public SceneHandle Handle
     {
       get { return handle_; }
     }
 
-    // --- making one ---
+    // --- creation ---
 
-    /// <summary>A built-in scene ("paper", "regolith") or a file, with overrides "table.key=value". "auto" is soil of the Moon in
-    /// the finest particles that this machine renders at 1 kHz; it measures that once, in a second.</summary>
+    /// <summary>A built-in scene ("paper", "regolith") or a file, with overrides "table.key=value". "auto" is lunar soil
+/// with the finest particles that this machine renders at 1 kHz; this is measured once, within 1 s.</summary>
     public static Scene FromFile(string name_or_path, string[] overrides = null, Progress progress = null)
     {
       Library.RequireSameVersion();
@@ -39,7 +39,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>The text of a scene file; "" is the paper's scene.</summary>
+    /// <summary>Creates a scene from the text of a scene file; "" is the scene of icra2021.</summary>
     public static Scene FromToml(string text, string[] overrides = null, Progress progress = null)
     {
       Library.RequireSameVersion();
@@ -53,7 +53,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Goes on from what GetState() gave, with the same bits; nothing has to settle again.</summary>
+    /// <summary>Creates a scene from the result of GetState(), bit-identical and without settling.</summary>
     public static Scene FromState(byte[] state)
     {
       Library.RequireSameVersion();
@@ -65,7 +65,7 @@ namespace Haptolith
       return new Scene(made);
     }
 
-    /// <summary>Another scene that goes on from here with the same bits.</summary>
+    /// <summary>Returns a bit-identical copy of the scene.</summary>
     public Scene Clone()
     {
       IntPtr made = IntPtr.Zero;
@@ -76,7 +76,7 @@ namespace Haptolith
       return new Scene(made);
     }
 
-    /// <summary>Gives the memory back; a second time does nothing. While a loop has the scene, it lives on until the loop ends.</summary>
+    /// <summary>Frees the memory; repeated calls have no effect. A scene in use by a loop is kept until the loop ends.</summary>
     public void Dispose()
     {
       handle_.Dispose();
@@ -104,8 +104,8 @@ namespace Haptolith
     // --- moving the tool ---
 
     /// <summary>
-    /// One tick of 1 ms: moves the tool in a straight line to the pose while the soil answers. Gives what the soil does to the tool,
-    /// about the tool's origin, scene frame.
+    /// Runs one tick of 1 ms: moves the tool in a straight line to the pose. Returns the wrench of the soil on the tool, about the
+/// tool's origin, scene frame.
     /// </summary>
     public Wrench Step(Pose scene_T_tool)
     {
@@ -117,7 +117,7 @@ namespace Haptolith
       return felt;
     }
 
-    /// <summary>The same with how fast the tool moves, for damping and friction.</summary>
+    /// <summary>As above, with the tool's velocity for damping and friction.</summary>
     public Wrench Step(Pose scene_T_tool, Twist twist)
     {
       Wrench felt;
@@ -128,7 +128,7 @@ namespace Haptolith
       return felt;
     }
 
-    /// <summary>Many ticks; each pointer but poses may be null. For NativeArray: its GetUnsafePtr(). Tells how many ticks went well.</summary>
+    /// <summary>Runs many ticks; each pointer except poses may be null. For NativeArray: its GetUnsafePtr(). Returns the number of successful ticks.</summary>
     public long Steps(Pose* poses, Twist* twists, Wrench* felt, long count)
     {
       ulong done = 0;
@@ -140,7 +140,7 @@ namespace Haptolith
       return (long)done;
     }
 
-    /// <summary>Many ticks; felt, which receives the soil wrench of each, scene frame, may be null.</summary>
+    /// <summary>Runs many ticks; felt receives the soil wrench of each, scene frame, and may be null.</summary>
     public void Steps(Pose[] poses, Wrench[] felt)
     {
       if (felt != null && felt.Length < poses.Length)
@@ -158,8 +158,8 @@ namespace Haptolith
     }
 
     /// <summary>
-    /// Moves the tool from where it is to the pose in so many ticks, evenly: what a host does in each of its frames, 16 or 17 ticks at
-    /// 60 Hz. Gives the mean soil wrench, scene frame.
+    /// Moves the tool uniformly from its current pose to the given one within a number of ticks: for one frame of a host, 16 or 17
+/// ticks at 60 Hz. Returns the mean soil wrench, scene frame.
     /// </summary>
     public Wrench MoveTool(Pose scene_T_tool, int ticks)
     {
@@ -184,7 +184,7 @@ namespace Haptolith
       return sum;
     }
 
-    /// <summary>Puts the tool somewhere without moving it there: place it above the soil.</summary>
+    /// <summary>Places the tool at a pose without moving it there; the pose should be above the soil.</summary>
     public void PlaceTool(Pose scene_T_tool)
     {
       using (Borrowed scene = new Borrowed(handle_))
@@ -206,7 +206,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>What the soil did to the tool in the last tick, about the tool's origin, scene frame.</summary>
+    /// <summary>Wrench of the soil on the tool in the last tick, about the tool's origin, scene frame.</summary>
     public Wrench Felt
     {
       get
@@ -220,7 +220,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>How far jaws are to open by the end of the next tick, 0 to 1.</summary>
+    /// <summary>Opening of jaws at the end of the next tick, 0 to 1.</summary>
     public void SetOpening(double share)
     {
       using (Borrowed scene = new Borrowed(handle_))
@@ -229,7 +229,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>How much of itself the tool is, 0 to 1, from the next tick on.</summary>
+    /// <summary>Sets the factor on the tool's contact stiffness, 0 to 1, from the next tick on.</summary>
     public void SetToolFade(double share)
     {
       using (Borrowed scene = new Borrowed(handle_))
@@ -238,7 +238,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>From the next tick on, scene's frame.</summary>
+    /// <summary>Sets gravity from the next tick on, scene frame.</summary>
     public void SetGravity(Vec3 m_s2)
     {
       using (Borrowed scene = new Borrowed(handle_))
@@ -247,7 +247,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Changes soil, gravity or tool of the soil as it lies: "gravity.body=Mars".</summary>
+    /// <summary>Changes soil, gravity or tool without moving particles: "gravity.body=Mars".</summary>
     public void Change(params string[] overrides)
     {
       using (TextList texts = new TextList(overrides))
@@ -257,9 +257,9 @@ namespace Haptolith
       }
     }
 
-    // --- looking ---
+    // --- reading ---
 
-    /// <summary>Numbers of the scene, as C has them; goes through all particles.</summary>
+    /// <summary>Returns numbers of the scene as in C; iterates over all particles.</summary>
     public hapto_scene_info Info
     {
       get
@@ -278,7 +278,7 @@ namespace Haptolith
       get { return (long)View(Field.Position).count; }
     }
 
-    /// <summary>Copies the centres as x y z after x y z, m; room is for how many particles. Tells how many there are.</summary>
+    /// <summary>Copies the centres, m, as consecutive x y z; room is the capacity in particles. Returns the number of particles.</summary>
     public long CopyPositions(float* xyz_m, long room, Frame frame)
     {
       using (Borrowed scene = new Borrowed(handle_))
@@ -290,7 +290,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>The same into an array of three numbers for each particle.</summary>
+    /// <summary>As above, into an array of three numbers per particle.</summary>
     public long CopyPositions(float[] xyz_m, Frame frame)
     {
       fixed (float* to = xyz_m)
@@ -299,7 +299,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Copies a field as C has it, packed, scene's frame; bytes must be what the field needs.</summary>
+    /// <summary>Copies a field as in C, packed, scene frame; bytes must be the size of the field.</summary>
     public void Copy(Field field, void* to, long bytes)
     {
       using (Borrowed scene = new Borrowed(handle_))
@@ -309,8 +309,8 @@ namespace Haptolith
     }
 
     /// <summary>
-    /// Positions or velocities where they are, without a copy, scene's frame. Old after the next step; not to be read any more when
-    /// the scene is disposed.
+    /// Positions or velocities in the library's memory, without a copy, scene frame. Outdated after the next step; invalid after the
+/// scene is disposed.
     /// </summary>
     public hapto_array View(Field field)
     {
@@ -322,9 +322,9 @@ namespace Haptolith
       return view;
     }
 
-    // --- the whole of it ---
+    // --- state ---
 
-    /// <summary>64 bits over the particles and what their contacts remember, as `haptolith run --json` prints them.</summary>
+    /// <summary>64-bit hash of the particles and their contact history, as printed by `haptolith run --json`.</summary>
     public ulong StateHash
     {
       get
@@ -338,7 +338,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>The whole scene, its parameters included; for this version of the library and one instruction set.</summary>
+    /// <summary>Returns the complete scene with its parameters, for this version of the library and one instruction set.</summary>
     public byte[] GetState()
     {
       using (Borrowed scene = new Borrowed(handle_))
@@ -358,7 +358,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Goes on from there; the scene must have been made with the same parameters.</summary>
+    /// <summary>Restores a state; the scene must have been created with equal parameters.</summary>
     public void SetState(byte[] state)
     {
       fixed (byte* bytes = state)
@@ -391,7 +391,7 @@ namespace Haptolith
       return new Vec3(sum.X + share * more.X, sum.Y + share * more.Y, sum.Z + share * more.Z);
     }
 
-    /// <summary>A straight line, and the shorter way round.</summary>
+    /// <summary>Interpolates positions linearly and rotations along the shorter way.</summary>
     static Pose Between(Pose a, Pose b, double share)
     {
       Vec3 way_m = new Vec3(b.Position_m.X - a.Position_m.X, b.Position_m.Y - a.Position_m.Y, b.Position_m.Z - a.Position_m.Z);

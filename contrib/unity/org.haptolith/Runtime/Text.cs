@@ -4,7 +4,7 @@ using System.Text;
 
 namespace Haptolith
 {
-  /// <summary>Texts of C: UTF-8 with a zero byte at the end.</summary>
+  /// <summary>Strings of C: UTF-8, zero-terminated.</summary>
   static unsafe class Text
   {
     public static string From(byte* text)
@@ -21,7 +21,7 @@ namespace Haptolith
       return length == 0 ? string.Empty : Encoding.UTF8.GetString(text, length);
     }
 
-    /// <summary>For a fixed statement; null stays null.</summary>
+    /// <summary>Returns bytes for a fixed statement; null stays null.</summary>
     public static byte[] Bytes(string text)
     {
       if (text == null)
@@ -36,7 +36,7 @@ namespace Haptolith
     }
   }
 
-  /// <summary>An array of texts in memory that does not move, for the time of a call.</summary>
+  /// <summary>A pinned array of strings, for the duration of a call.</summary>
   sealed unsafe class TextList : IDisposable
   {
     readonly byte[][] texts_;

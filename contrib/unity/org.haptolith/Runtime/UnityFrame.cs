@@ -1,20 +1,20 @@
 namespace Haptolith
 {
-  /// <summary>Which axes a copy of positions has.</summary>
+  /// <summary>Frame of a copy of positions.</summary>
   public enum Frame
   {
-    /// <summary>The library's: right-handed, z up.</summary>
+    /// <summary>The library's frame: right-handed, z up.</summary>
     Scene,
 
-    /// <summary>Unity's: left-handed, y up.</summary>
+    /// <summary>Unity's frame: left-handed, y up.</summary>
     Unity
   }
 
   /// <summary>
-  /// The one place where the scene's frame (right-handed, x right, y away, z up) and Unity's (left-handed, x right, y up, z away) meet.
-  /// Unity's y is the scene's z, and the other way round. That is a mirror, so each function leads there and back.
-  /// What has a direction in space is mirrored: positions, velocities, forces. What turns about an axis has its sign changed, too:
-  /// rotations, angular velocities, torques. So r x F is the torque in both frames.
+  /// Conversion between the scene's frame (right-handed, x right, y away, z up) and Unity's (left-handed, x right, y up, z away).
+/// Unity's y is the scene's z, and vice versa. This is a reflection, so each function is its own inverse.
+/// Polar vectors are reflected: positions, velocities, forces. Axial quantities also change their sign: rotations, angular
+/// velocities, torques. So r x F is the torque in both frames.
   /// </summary>
   public static unsafe partial class UnityFrame
   {
@@ -64,7 +64,7 @@ namespace Haptolith
       return new Wrench { Force_N = Force(wrench.Force_N), Torque_Nm = Torque(wrench.Torque_Nm) };
     }
 
-    /// <summary>Packs what lies every stride_bytes into x y z after x y z, with the axes of that frame.</summary>
+    /// <summary>Packs vectors with a spacing of stride_bytes into consecutive x y z, in the given frame.</summary>
     internal static void Copy(hapto_array positions, float* xyz, Frame frame)
     {
       int second = frame == Frame.Unity ? 2 : 1;

@@ -1,4 +1,4 @@
-// The same with Unity's own types: for scripts in Unity, and left out where there is none.
+// Overloads with Unity's types, for scripts in Unity; not compiled elsewhere.
 #if UNITY_5_3_OR_NEWER
 using Unity.Collections;
 using Unity.Collections.LowLevel.Unsafe;
@@ -35,13 +35,13 @@ namespace Haptolith
                            new Quat(rotation.w, rotation.x, rotation.y, rotation.z)));
     }
 
-    /// <summary>The centres of the particles in Unity's frame, m; tells how many there are.</summary>
+    /// <summary>Copies the centres of the particles in Unity's frame, m. Returns the number of particles.</summary>
     public static int CopyPositions(this Scene scene, NativeArray<Vector3> into)
     {
       return (int)scene.CopyPositions((float*)into.GetUnsafePtr(), into.Length, Frame.Unity);
     }
 
-    /// <summary>As of the picture that Poll() fetched, in Unity's frame, m; tells how many there are.</summary>
+    /// <summary>Copies the centres of the last Poll() in Unity's frame, m. Returns the number of particles.</summary>
     public static int CopyPositions(this Loop loop, NativeArray<Vector3> into)
     {
       return (int)loop.CopyPositions((float*)into.GetUnsafePtr(), into.Length, Frame.Unity);

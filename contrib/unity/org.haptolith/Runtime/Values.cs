@@ -2,7 +2,7 @@ using System.Runtime.InteropServices;
 
 namespace Haptolith
 {
-  /// <summary>Three numbers; the name of the variable says which, in what unit and in what frame.</summary>
+  /// <summary>Three numbers; quantity, unit and frame are in the variable's name.</summary>
   [StructLayout(LayoutKind.Sequential)]
   public struct Vec3
   {
@@ -21,7 +21,7 @@ namespace Haptolith
     }
   }
 
-  /// <summary>A rotation as a unit quaternion, in C's order.</summary>
+  /// <summary>A rotation as a unit quaternion, in the order of C.</summary>
   [StructLayout(LayoutKind.Sequential)]
   public struct Quat
   {
@@ -46,7 +46,7 @@ namespace Haptolith
     }
   }
 
-  /// <summary>Where one frame stands in another: scene_T_tool. Lies in memory as hapto_pose.</summary>
+  /// <summary>Pose of one frame in another: scene_T_tool. Has the memory layout of hapto_pose.</summary>
   [StructLayout(LayoutKind.Sequential)]
   public struct Pose
   {
@@ -59,14 +59,14 @@ namespace Haptolith
       Orientation = orientation;
     }
 
-    /// <summary>There, and not turned.</summary>
+    /// <summary>Pose at a position, without rotation.</summary>
     public static Pose At(double x_m, double y_m, double z_m)
     {
       return new Pose(new Vec3(x_m, y_m, z_m), Quat.Identity);
     }
   }
 
-  /// <summary>How the tool's origin moves. Lies in memory as hapto_twist.</summary>
+  /// <summary>Velocities at the tool's origin. Has the memory layout of hapto_twist.</summary>
   [StructLayout(LayoutKind.Sequential)]
   public struct Twist
   {
@@ -74,7 +74,7 @@ namespace Haptolith
     public Vec3 Angular_rad_s;
   }
 
-  /// <summary>Force and torque about a point; where one is given it is said whose and in which frame. Lies in memory as hapto_wrench.</summary>
+  /// <summary>Force and torque about a point; each use documents the point and the frame. Has the memory layout of hapto_wrench.</summary>
   [StructLayout(LayoutKind.Sequential)]
   public struct Wrench
   {
@@ -82,7 +82,7 @@ namespace Haptolith
     public Vec3 Torque_Nm;
   }
 
-  /// <summary>What is known of each particle.</summary>
+  /// <summary>Data of each particle.</summary>
   public enum Field
   {
     Position = Native.HAPTO_POSITION,

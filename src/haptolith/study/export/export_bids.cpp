@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kBidsVersion = "1.9.0";
 
-/// A field of a TSV file, which knows no quotes.
+/// Returns a field of a TSV file, a format without quotes.
 std::string tsvField(std::string text) {
   text = withoutFormula(std::move(text));
   std::ranges::replace_if(
@@ -158,7 +158,7 @@ std::string behaviourTsv(const ParticipantRow& participant, const std::vector<Tr
   return text;
 }
 
-/// What ran a participant's part of the study; BIDS has a place for the last of it, and the rest beside.
+/// Adds the sessions of a participant: BIDS fields describe the last session, an additional field lists the others.
 void addSessions(Json& json, const ParticipantRow& participant, const std::vector<SessionRow>& sessions) {
   Json rows = Json::array();
   for (const SessionRow& session : sessions) {
@@ -198,7 +198,7 @@ Json behaviourJson(const StudyBlock& block) {
   return json;
 }
 
-/// A folder that somebody asks to be overwritten is deleted: nothing but an earlier export may be.
+/// Overwriting deletes the folder, so only an earlier export is accepted.
 void requireEarlierExport(const fs::path& folder, bool overwrite) {
   if (fs::exists(folder) && !overwrite) {
     throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", folder.string()));

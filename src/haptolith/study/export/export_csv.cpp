@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Quoted where it has to be (RFC 4180).
+/// Returns the text, quoted if necessary (RFC 4180).
 std::string csvField(std::string text) {
   text = withoutFormula(std::move(text));
   if (text.find_first_of(",\"\r\n") == std::string::npos) {
@@ -44,7 +44,7 @@ std::string csvLine(const std::vector<std::string>& fields) {
   return line;
 }
 
-/// What stands in `columns` for `row`, and after it what its participant answered to the forms.
+/// Returns the fields of `columns` for `row`, followed by the participant's answers to the forms.
 template <class Of>
 std::vector<std::string> fieldsOf(const std::vector<FilledColumn<Of>>& columns, const Of& row) {
   std::vector<std::string> fields;
@@ -71,7 +71,7 @@ std::string trialsCsv(const StudyStore& study, const People& people, const Forms
   for (const TrialRow& trial : study.trials()) {
     const auto found = people.find(trial.participant);
     if (found == people.end()) {
-      continue;  // who has begun since the list was read
+      continue;  // a participant who began after the list was read
     }
     std::vector<std::string> fields =
         fieldsOf(filledTrialColumns(), TrialOf{.participant = found->second, .trial = trial, .recordings = recordings});
@@ -94,7 +94,7 @@ std::string sessionsCsv(const StudyStore& study, const People& people) {
   return text;
 }
 
-/// The data dictionary: for each file its columns, as BIDS sidecars have them.
+/// Returns the data dictionary: the columns of each file, in the format of BIDS sidecars.
 Json dictionary(const StudyProtocol& protocol, const fs::path& trials, const fs::path& sessions, const Forms& forms) {
   Json json;
   Json& of_trials = json[trials.filename().string()];

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The shortest text that reads back as the same number.
+/// Returns the shortest text that reads back as exactly this number.
 std::string textOf(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "";
 }
@@ -111,7 +111,7 @@ std::vector<FilledColumn<TrialOf>> answerColumns() {
   };
 }
 
-/// Of trials that are work for a robot.
+/// Returns the columns of trials in which a robot performs a task.
 std::vector<FilledColumn<TrialOf>> workColumns() {
   std::vector<FilledColumn<TrialOf>> columns;
   for (const TeleopColumn& number : teleopColumns()) {
@@ -141,7 +141,7 @@ std::vector<FilledColumn<TrialOf>> intervalColumns() {
   return columns;
 }
 
-/// An interval that was never felt has no recording, and a trial without an answer need not have had both.
+/// An interval that never began has no recording; a trial without an answer can lack the second interval.
 std::string recordingState(const TrialOf& of) {
   if (of.trial.recording.empty()) {
     return "";
@@ -157,11 +157,11 @@ std::string recordingState(const TrialOf& of) {
       if (!RecordingReader(file).finished()) {
         return "unfinished";
       }
-    } catch (const Failure&) {  // not even its beginning is whole
+    } catch (const Failure&) {  // even its beginning is incomplete
       return "unfinished";
     }
   }
-  const bool both = of.trial.answer && !of.trial.answer->teleop;  // should be there
+  const bool both = of.trial.answer && !of.trial.answer->teleop;  // whether both recordings are expected
   return there == 2 || (there == 1 && !both) ? "whole" : "missing";
 }
 

@@ -18,28 +18,28 @@
 
 namespace haptolith {
 
-// What exports to CSV and to BIDS share: columns, what stands in them, and what explains them.
+// Common parts of the exports to CSV and BIDS: columns, their contents and their descriptions.
 
-/// A row of a study's trials.
+/// Row of the table of trials.
 struct TrialOf {
   const ParticipantRow& participant;
   const TrialRow& trial;
   const std::filesystem::path& recordings;  ///< folder
 };
 
-/// A participant, of a study.
+/// Row of the table of participants.
 struct PersonOf {
   const StudyProtocol& protocol;
   const ParticipantRow& participant;
 };
 
-/// A row of its sessions.
+/// Row of the table of sessions.
 struct SessionOf {
-  const std::string& code;  ///< of the participant
+  const std::string& code;  ///< the participant's
   const SessionRow& session;
 };
 
-/// A column and what stands in it.
+/// Column and the function that returns its contents.
 template <class Of>
 struct FilledColumn {
   ExportColumn column;
@@ -48,10 +48,10 @@ struct FilledColumn {
 
 [[nodiscard]] const std::vector<FilledColumn<TrialOf>>& filledTrialColumns();
 [[nodiscard]] const std::vector<FilledColumn<SessionOf>>& filledSessionColumns();
-/// Group and stratum of a participant, where the protocol has groups and strata.
+/// Returns the columns for group and stratum of a participant, if the protocol has groups and strata.
 [[nodiscard]] std::vector<FilledColumn<PersonOf>> groupColumns(const StudyProtocol& protocol);
 
-/// An item of a form as a column of the participants: "demographics_age".
+/// Column of the participants for one item of a form: "demographics_age".
 struct FormColumn {
   std::string form, key;
   FormItem item;
@@ -59,7 +59,7 @@ struct FormColumn {
   [[nodiscard]] std::string name() const { return form + "_" + key; }
 };
 
-/// The forms of a study and what was answered, by participant and column.
+/// Forms of a study and their answers, by participant and column.
 struct Forms {
   std::vector<FormColumn> columns;
   std::map<std::pair<std::int64_t, std::string>, std::string> answers;
@@ -67,19 +67,19 @@ struct Forms {
   [[nodiscard]] std::string text(const ParticipantRow& participant, const FormColumn& column) const;
 };
 
-/// Every item of the protocol has its column, whether or not anybody has answered it.
+/// Returns the forms. Every item of the protocol has a column, also one without answers.
 [[nodiscard]] Forms formsOf(const StudyStore& study, bool personal);
 
-/// What explains a column: an object of a BIDS sidecar, and of the data dictionary beside a CSV file.
+/// Returns the description of a column: an object of a BIDS sidecar or of the data dictionary next to a CSV file.
 [[nodiscard]] nlohmann::ordered_json described(const ExportColumn& column);
 [[nodiscard]] nlohmann::ordered_json described(const FormColumn& column);
 
-/// Spreadsheets take text that begins with = + - @, a tab or a carriage return for a formula, which may start programs:
-/// an apostrophe before it says that it is text. Numbers stay numbers.
+/// Puts an apostrophe before text that begins with = + - @, a tab or a carriage return. Spreadsheets would interpret it
+/// as a formula, which may start programs. Numbers are left unchanged.
 [[nodiscard]] std::string withoutFormula(std::string text);
 
 [[nodiscard]] IfThere ifThere(const ExportOptions& options);
-/// What tells who somebody is, is for the one who asked for it.
+/// Returns the permitted readers: personal data are readable by the file's owner only.
 [[nodiscard]] Readers readersOf(const ExportOptions& options);
 
 }  // namespace haptolith

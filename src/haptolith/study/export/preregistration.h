@@ -7,15 +7,15 @@
 
 namespace haptolith {
 
-/// What a preregistration asks for beside what the protocol says.
+/// Facts that a preregistration needs in addition to the protocol.
 struct PreregistrationFacts {
-  std::string_view protocol_text;  ///< from which the hash is made
-  std::string_view version;        ///< of the program
+  std::string_view protocol_text;  ///< source of the hash
+  std::string_view version;        ///< the program's version
 };
 
-/// The text of a preregistration in Markdown, in the order that registries ask for it (hypotheses, design,
-/// participants, procedure, measures, analysis, exclusion, what is left open), written from the protocol and from what
-/// the program does with the answers. What the protocol does not say stands there in [BRACKETS].
+/// Returns the text of a preregistration in Markdown, in the order of the registries' forms: hypotheses, design,
+/// participants, procedure, measures, analysis, exclusion, open points. It is derived from the protocol and from the
+/// program's analysis. Gaps in the protocol appear in [BRACKETS].
 [[nodiscard]] std::string preregistrationText(const StudyProtocol& protocol, const PreregistrationFacts& facts);
 
 }  // namespace haptolith

@@ -25,11 +25,11 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kPlace_m = 0.005;  // farther out a grain jams between the tool and a wall
+constexpr double kPlace_m = 0.005;  // at larger offsets a particle jams between the tool and a wall
 constexpr double kTempo = 0.1, kDepth = 0.1, kArm = 0.2;
 
 constexpr int kMostRounds = 1000;
-constexpr int kTicksPerLook = 20;  ///< between two looks at what lies on the tool
+constexpr int kTicksPerLook = 20;  ///< ticks between two measurements of the soil on the tool
 
 void validate(const ExplorationOptions& options) {
   if (options.manoeuvre == Manoeuvre::kPoses) {
@@ -39,7 +39,7 @@ void validate(const ExplorationOptions& options) {
   requireInRange("variation", options.variation, {0, 2});
 }
 
-/// Soil and stones as the hand finds them that comes from another side.
+/// Turns (and mirrors) soil and stones, for a hand that comes from another side.
 LyingSoil turned(LyingSoil lying, const ExploringHand& from) {
   for (Float4& p : lying.grains) {
     p.y = from.mirrored ? -p.y : p.y;
@@ -64,8 +64,8 @@ std::vector<Vec3> centresOf(const std::vector<Float4>& grains) {
   return centres_m;
 }
 
-/// The soil's surface from above: the highest grain of each cell that is as wide as a grain. What is higher than
-/// `ceiling_m` clings to the tool or flies.
+/// Surface of the soil from above: the highest particle of each cell, which is as wide as a particle. Particles above
+/// `ceiling_m` cling to the tool or fly; they are left out.
 class Surface {
  public:
   Surface(const std::vector<Vec3>& centres_m, const BedParameters& bed,
@@ -85,7 +85,7 @@ class Surface {
   }
 
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  /// Of each cell, its highest grain; kNone where there is none.
+  /// Returns the highest particle of each cell; kNone for an empty cell.
   [[nodiscard]] const std::vector<std::size_t>& highest() const { return highest_; }
 
  private:
@@ -105,14 +105,14 @@ class Surface {
   std::vector<std::size_t> highest_;
 };
 
-/// Whether the tool holds soil up: nose up, and as high as it comes, where it nearly stands still.
+/// Whether the tool holds soil up: its nose is up and it is near its highest position, where it is almost at rest.
 bool carries(const Pose& scene_T_tool, const HandParameters& hand) {
   constexpr double kNoseUp = 0.1;  // sine of 6 degrees
   const Vec3 nose = scene_T_tool.orientation * Vec3::UnitX();
   return nose.z() > kNoseUp && scene_T_tool.position_m.z() - hand.surface_m.value_or(0) > 0.9 * hand.home_m.z();
 }
 
-/// In kg, what is in or above the tool and no farther than a heap on it can be high.
+/// Returns the mass of the soil in or above the tool, up to the maximum height of a heap on it, in kg.
 double massAbove(const Scene& scene) {
   const ToolCorners corners = cornersOf(scene.tool());
   const double reach_m = corners.high_m.x() - corners.low_m.x();
@@ -130,12 +130,12 @@ double massAbove(const Scene& scene) {
   return mass_kg;
 }
 
-/// How high soil is felt, each time that a tool goes into it.
+/// Largest height with a soil force, for each entry of the tool into the soil.
 class TouchHeight {
  public:
   void add(double height_m, double force_n) {
-    constexpr double kTouch_n = 0.1;   // well above the least that is noticed
-    constexpr double kClear_m = 0.01;  // so much higher, and it has left
+    constexpr double kTouch_n = 0.1;   // well above the detection threshold
+    constexpr double kClear_m = 0.01;  // the tool has left the soil at this height above the last contact
     if (force_n >= kTouch_n) {
       if (clear_) {
         highest_m_.push_back(height_m);
@@ -146,7 +146,7 @@ class TouchHeight {
       clear_ = clear_ || height_m > highest_m_.back() + kClear_m;
     }
   }
-  /// Mean of all times; NaN when there was none.
+  /// Returns the mean over all entries; NaN if there was none.
   [[nodiscard]] double mean() const { return haptolith::mean(highest_m_); }
 
  private:
@@ -154,7 +154,7 @@ class TouchHeight {
   bool clear_ = true;
 };
 
-/// A mean that is NaN of nothing.
+/// Mean that is NaN without values.
 class Mean {
  public:
   void add(double value) {
@@ -228,7 +228,7 @@ void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre) {
   hand.manoeuvre = manoeuvre;
   hand.surface_m = 0;
   const ToolCorners corners = cornersOf(scene_file.tool);
-  constexpr int kPlaces = 200;  // of a manoeuvre
+  constexpr int kPlaces = 200;  // sampled poses of a manoeuvre
   double lowest_m = std::numeric_limits<double>::infinity();
   for (int place = 0; place < kPlaces; ++place) {
     const Pose scene_T_tool = manoeuvrePose(hand, hand.period_s * place / kPlaces);

@@ -10,86 +10,86 @@
 
 namespace haptolith {
 
-/// Undisturbed soil, settled once, for as many explorations as wanted.
+/// Undisturbed soil, settled once and used for any number of explorations.
 struct LevelBed {
   LyingSoil lying;
   double surface_m = 0;
 };
 
-/// The soil of a scene before anybody touches it.
+/// Settles the soil of a scene.
 /// @throws InvalidParameter, Failure: as Scene.
 [[nodiscard]] LevelBed levelBed(const SceneFile& scene_file, const SettleProgress& progress = {});
 
-/// How a virtual hand explores soil.
+/// Options of the exploration of soil by a virtual hand.
 struct ExplorationOptions {
   Manoeuvre manoeuvre = Manoeuvre::kStir;  ///< not kPoses
-  int rounds = 2;                          ///< of the manoeuvre, 1 to 1000
+  int rounds = 2;                          ///< repetitions of the manoeuvre, 1 to 1000
   std::uint64_t seed = 1;
-  /// How much one exploration differs from the next, 0 to 2: see exploringHand(). 0: not at all.
+  /// Factor on the random differences between explorations, 0 to 2: see exploringHand(). 0: no differences.
   double variation = 1;
 };
 
-/// One exploration: which hand comes to which side of the bed.
+/// Hand of one exploration, and the side of the bed from which it comes.
 struct ExploringHand {
   HandParameters hand = {};
-  int quarter_turns = 0;  ///< of the soil under the hand: it comes from another side
-  bool mirrored = false;  ///< the soil, across the scene's x-z plane; never where stones lie, which have a handedness
+  int quarter_turns = 0;  ///< quarter turns of the soil under the hand, which comes from another side
+  bool mirrored = false;  ///< mirrors the soil at the scene's x-z plane; never with stones (handedness)
 };
 
-/// Draws how the hand of `options.seed` explores. With a variation of 1, evenly: the place up to 5 mm from the scene's
-/// in x and y, tempo and depth up to 10 %, the arm's mass, damping and stiffness together up to 20 % more or less; the
-/// bed from any side, and mirrored or not.
+/// Draws the hand for `options.seed`. With a variation of 1, the draws are uniform: home position +- 5 mm in x and y;
+/// period and depth +- 10 %; the arm's mass, damping and stiffness together +- 20 %. The side of the bed is also drawn,
+/// and whether the bed is mirrored.
 /// @throws InvalidParameter for options out of range.
 [[nodiscard]] ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOptions& options);
 
-/// That a hand of the scene's comes into soil by this manoeuvre: a particle's radius below the surface, or more.
-/// @throws InvalidParameter with how deep the tool comes.
+/// Checks that the scene's hand reaches the soil in this manoeuvre: at least a particle radius below the surface.
+/// @throws InvalidParameter with the depth that the tool reaches.
 void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre);
 
-/// What somebody sees who only looks on while a hand explores: numbers of the soil's visible surface, in m.
+/// Visual information for an observer of an exploration: measures of the soil's visible surface, in m.
 struct Picture {
-  double height_m = 0;   ///< mean height of the surface over the floor before the hand comes
-  double heave_m = 0;    ///< largest rise of the surface in the end, anywhere
-  double hollow_m = 0;   ///< largest fall of the surface in the end, anywhere
-  double moved_m = 0;    ///< mean way of the grains that lay on the surface
-  double reached_m = 0;  ///< how far below the undisturbed surface the tool's origin came
-  /// Edge of a cube as large as the soil that the tool carries, on average; NaN when it never carries.
+  double height_m = 0;   ///< mean height of the surface above the floor before the exploration
+  double heave_m = 0;    ///< maximum rise of the surface after the exploration
+  double hollow_m = 0;   ///< maximum fall of the surface after the exploration
+  double moved_m = 0;    ///< mean displacement of the surface particles
+  double reached_m = 0;  ///< maximum depth of the tool's origin below the undisturbed surface
+  /// Edge of a cube with the mean volume of the soil that the tool carries; NaN if it never carries soil.
   double load_m = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// All of the soil that lies, of grains before and after; one number, one grain. A cell of the surface is as wide as a
-/// grain, and what its highest grain does is seen.
+/// Computes the picture from the centres of all particles before and after; equal indices are the same particle. A cell
+/// of the surface is as wide as a particle, and its highest particle is visible.
 [[nodiscard]] Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& after_m,
                                 const BedParameters& bed);
 
-/// What a hand did and felt.
+/// Movements of a hand and forces on it in one exploration.
 struct Exploration {
   TrialSummary summary;
   Picture seen = {};
-  /// Work over path: the mean force against the movement, N.
+  /// Work divided by path: the mean force against the movement, N.
   double drag_n = std::numeric_limits<double>::quiet_NaN();
-  /// Mean downward force on the hand while it carries: its nose is up, and it is as high as it comes. N; NaN when
-  /// it never carries.
+  /// Mean downward force on the hand while the tool carries soil (nose up, near its highest position), N; NaN if it
+  /// never carries soil.
   double carried_n = std::numeric_limits<double>::quiet_NaN();
-  /// Mean mass of the soil above the tool meanwhile, in kg, whether it presses on the tool or not.
+  /// Mean mass of the soil above the tool at these times, kg, whether or not it presses on the tool.
   double carried_kg = std::numeric_limits<double>::quiet_NaN();
-  /// How high over the floor the tool's origin came where it still felt soil, 0.1 N or more: mean over the times that
-  /// it went into soil, m; NaN when it never did.
+  /// Largest height of the tool's origin above the floor with a soil force of at least 0.1 N: mean over the entries
+  /// into the soil, m; NaN if there was none.
   double touched_up_to_m = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Explores soil by a script, as fast as the machine can: no clock, no device. The same arguments give the same
-/// numbers. Takes a fraction of a second of computing for the paper's scene.
+/// Explores soil by a script, without clock and device, as fast as the machine allows. Equal arguments give equal
+/// numbers. Takes a fraction of a second of computing for the scene of icra2021.
 /// @param bed  levelBed() of the same scene.
-/// @throws InvalidParameter for options out of range and as HapticLoop; Failure when the exploration cannot go on, or
-/// when stopAsked().
+/// @throws InvalidParameter for options out of range and as HapticLoop; Failure if the exploration cannot continue, or
+/// if stopAsked().
 [[nodiscard]] Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExplorationOptions& options);
 
-/// The same for a hand that has been chosen already.
+/// As above, for a given hand.
 [[nodiscard]] Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExploringHand& exploring,
                                   int rounds);
 
-/// The same on a bed that is settled for it.
+/// As above, on a bed that is settled for this exploration.
 [[nodiscard]] Exploration explore(const SceneFile& scene_file, const ExplorationOptions& options);
 
 }  // namespace haptolith

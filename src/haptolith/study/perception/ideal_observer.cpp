@@ -18,11 +18,12 @@ namespace haptolith {
 
 namespace {
 
-/// Force at a moving hand: 0.08 to 0.13 by joint, and 0.04 N, the least that is noticed (Feyzabadi et al. 2013).
+/// Force on a moving hand: Weber fraction 0.08 to 0.13 depending on the joint; detection threshold 0.04 N (Feyzabadi
+/// et al. 2013).
 constexpr Sense kForce{.weber_fraction = 0.11, .threshold = 0.04};
-/// Resistance to motion: viscosity's Weber fraction (Jones, Hunter and Lafontaine 1997).
+/// Resistance to motion: Weber fraction of viscosity (Jones, Hunter and Lafontaine 1997).
 constexpr Sense kResistance{.weber_fraction = 0.19, .threshold = 0.04};
-/// Weight that a device shows at rest: 0.22 to 0.44 (van Beek et al. 2021).
+/// Weight that a device renders at rest: Weber fraction 0.22 to 0.44 (van Beek et al. 2021).
 constexpr Sense kWeight{.weber_fraction = 0.33, .threshold = 0.04};
 
 constexpr std::array kCues{
@@ -36,16 +37,16 @@ constexpr std::array kCues{
 
 constexpr double kPerMm = 1e3;
 
-/// Where the hand is: 0.09 of a limb's displacement (Jones and Hunter 1992), and an arm's angles to 0.6 to 1.1 degrees
-/// (van Beers et al. 1998), which is 6 mm at a hand that is 0.45 m from its shoulder. In mm.
+/// Position of the hand, in mm: Weber fraction 0.09 of a limb's displacement (Jones and Hunter 1992). An arm's angles
+/// are sensed to 0.6 to 1.1 degrees (van Beers et al. 1998), which is 6 mm at 0.45 m from the shoulder.
 constexpr Sense kPlace{.weber_fraction = 0.09, .threshold = 6};
 constexpr std::array kPlaceCues{
     Cue{"felt up to", "mm", "how high soil is felt", kPlace,
         [](const Exploration& e) { return kPerMm * e.touched_up_to_m; }},
 };
 
-/// Length as it is seen: 0.04 of a height of 55 mm at 84 % right (Ernst and Banks 2002), and a minute of arc, what a
-/// sharp eye resolves, at 0.6 m. In mm.
+/// Seen length, in mm: Weber fraction 0.04 of a height of 55 mm at 84 % correct (Ernst and Banks 2002). The threshold
+/// is the eye's resolution of one minute of arc at 0.6 m.
 constexpr Sense kLength{.weber_fraction = 0.04, .threshold = 0.17};
 
 constexpr std::array kSeenCues{
@@ -80,7 +81,7 @@ Moments sensations(std::span<const double> magnitudes, const Sense& sense) {
   return moments;
 }
 
-/// The same of several cues together.
+/// Moments of several cues together.
 struct JointMoments {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
@@ -123,13 +124,13 @@ void validate(std::span<const SensedStimulus> stimuli, std::size_t reference, st
   }
 }
 
-/// JNDs of a judgement that weighs cues by `weights`, from `a` to `b`.
+/// Returns the distance from `a` to `b` in JNDs, for a judgement with these weights of the cues.
 double apart(const JointMoments& a, const JointMoments& b, const Eigen::VectorXd& weights) {
   const double noise = weights.squaredNorm() + weights.dot((a.covariance + b.covariance) * weights);
   return weights.dot(b.mean - a.mean) / std::sqrt(noise);
 }
 
-/// The best weights for telling on which side of the reference stimuli are.
+/// Returns the optimum weights for deciding on which side of the reference a stimulus is.
 Eigen::VectorXd learntWeights(std::span<const SensedStimulus> stimuli, std::size_t reference,
                               std::span<const JointMoments> sensed) {
   const auto cues = sensed[reference].mean.size();
@@ -143,9 +144,10 @@ Eigen::VectorXd learntWeights(std::span<const SensedStimulus> stimuli, std::size
   return weights.norm() > 0 ? Eigen::VectorXd(weights.normalized()) : Eigen::VectorXd::Ones(cues).normalized();
 }
 
-/// The Weber fraction of (paper 22) for the shares Phi(d) of answers, and the most that the fit allows.
+/// Fits the Weber fraction of eq. (22) in icra2021 to the fractions Phi(d) of responses; also sets the fit's upper
+/// limit.
 void fitWeber(std::span<const SensedStimulus> stimuli, std::size_t reference, Discrimination& found) {
-  constexpr double kAnswers = 1000;  // whole numbers of answers near enough to the shares
+  constexpr double kAnswers = 1000;  // enough for counts of responses to represent the fractions
   std::vector<Level> levels;
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
     if (i != reference) {
@@ -185,7 +187,7 @@ Discrimination judged(std::span<const SensedStimulus> stimuli, std::size_t refer
   return found;
 }
 
-/// Every second exploration, from the first or from the second on.
+/// Returns every second exploration, beginning with the first or the second.
 SensedStimulus half(const SensedStimulus& whole, std::size_t first) {
   SensedStimulus part{.x = whole.x};
   for (std::size_t i = first; i < whole.magnitudes.size(); i += 2) {
@@ -194,14 +196,14 @@ SensedStimulus half(const SensedStimulus& whole, std::size_t first) {
   return part;
 }
 
-/// JNDs with the weights that are learnt from the ones, judged by the others.
+/// Returns JNDs with weights learnt from one half of the explorations and applied to the other.
 double learntAndJudged(const std::array<JointMoments, 2>& learnt, const std::array<JointMoments, 2>& judged) {
   const Eigen::ArrayXd noise = 1 + learnt[0].covariance.diagonal().array() + learnt[1].covariance.diagonal().array();
   const Eigen::VectorXd weights = ((learnt[1].mean - learnt[0].mean).array() / noise).matrix();
   return weights.norm() > 0 ? apart(judged[0], judged[1], weights) : 0;
 }
 
-/// @param halves  of the reference, then of the test.
+/// @param halves  halves of the reference, then of the test.
 double judgedPair(const std::array<std::vector<SensedStimulus>, 2>& halves, std::span<const Sense> senses) {
   std::array<std::array<JointMoments, 2>, 2> moments;
   for (std::size_t part = 0; part < 2; ++part) {
@@ -212,7 +214,7 @@ double judgedPair(const std::array<std::vector<SensedStimulus>, 2>& halves, std:
   return (learntAndJudged(moments[0], moments[1]) + learntAndJudged(moments[1], moments[0])) / 2;
 }
 
-/// As many explorations of each stimulus, drawn from those that there are.
+/// Draws a bootstrap sample: for each stimulus its number of explorations, with replacement.
 std::vector<SensedStimulus> resampled(std::span<const SensedStimulus> stimuli, std::mt19937_64& random) {
   std::vector<SensedStimulus> drawn(stimuli.begin(), stimuli.end());
   for (std::size_t i = 0; i < stimuli.size(); ++i) {
@@ -224,7 +226,7 @@ std::vector<SensedStimulus> resampled(std::span<const SensedStimulus> stimuli, s
   return drawn;
 }
 
-/// Percentiles of what is found again and again.
+/// Returns percentiles of the results over the resamplings.
 template <class Find>
 Interval percentilesOf(const ObserverOptions& options, Find find) {
   std::vector<double> found(static_cast<std::size_t>(options.resamplings));

@@ -21,11 +21,10 @@ namespace {
 
 constexpr std::string_view kFrictionReference = "P3", kGravityReference = "Moon", kGravityPreset = "P4";
 
-/// A crystal has one bed; rain falls differently every time, and each arrangement feels a little different.
+/// Number of beds of a scene that starts by rain: each arrangement feels slightly different. A crystal has one bed.
 constexpr int kBedsOfRain = 5;
 
-/// Contact friction with which cohesionless soil shows a preset's angle of friction at its peak:
-/// docs/reports/perception.md.
+/// Contact friction at which cohesionless soil has the peak friction angle of a preset: docs/reports/perception.md.
 struct Twin {
   std::string_view preset;
   double contact_friction;
@@ -33,7 +32,7 @@ struct Twin {
 constexpr std::array kTwins{Twin{"P1", 0.571}, Twin{"P2", 0.452}, Twin{"P3", 0.357},
                             Twin{"P4", 0.307}, Twin{"P5", 0.261}, Twin{"P6", 0.234}};
 
-/// The preset's soil with friction between its particles: contacts as those of the named soils, and 1500 kg/m^3.
+/// Returns the preset's soil with contact friction: the contacts of the named soils, and a density of 1500 kg/m^3.
 SoilParameters contactFrictionTwin(std::string_view preset, double contact_cohesion_n) {
   SoilParameters soil = lunarContacts();
   soil.contact_friction = std::ranges::find(kTwins, preset, &Twin::preset)->contact_friction;
@@ -74,7 +73,7 @@ PerceptionBlock blockOf(const std::string& name, FrictionModel friction, double 
   return block;
 }
 
-/// Who lifts soil digs deep and holds the tool firmly; else the scene's hand, which is as limp as a measured one.
+/// Returns the hand for a manoeuvre: deep and stiff for scooping, else the scene's hand with its measured compliance.
 HandParameters handFor(Manoeuvre manoeuvre, HandParameters hand) {
   if (manoeuvre == Manoeuvre::kScoop) {
     hand.depth_m = 0.032;
@@ -106,14 +105,14 @@ class Progress {
   std::mutex mutex_;
 };
 
-/// A stimulus, and the beds on which it is explored.
+/// Stimulus and the beds on which it is explored.
 struct Site {
   PerceptionStimulus* stimulus;
   std::vector<std::vector<Exploration>>* explorations;
   std::vector<LevelBed> beds = {};
 };
 
-/// A cue of one of the hands, by its place among them.
+/// Cue of the hand with this index.
 struct HandsCue {
   std::size_t hand = 0;
   const Cue* cue = nullptr;
@@ -135,7 +134,7 @@ std::vector<SensedStimulus> sensedBy(const PerceptionBlock& block, std::span<con
   return sensed;
 }
 
-/// Mean and standard deviation of a cue, of each stimulus.
+/// Computes mean and standard deviation of a cue for each stimulus.
 PerceivedCue statisticsOf(const PerceptionBlock& block, const HandsCue& of) {
   PerceivedCue one{.hand = {}, .cue = of.cue, .means = {}, .deviations = {}, .discrimination = {}};
   for (const SensedStimulus& stimulus : sensedBy(block, std::span(&of, 1))) {

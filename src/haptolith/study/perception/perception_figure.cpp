@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-/// What each hand is best at, as the paper's participants used it.
+/// Most informative cue of each hand, for the hands of the participants of icra2021.
 struct Panel {
   Manoeuvre hand;
   std::string_view cue;
@@ -23,7 +23,7 @@ struct Panel {
 constexpr Panel kPanels[] = {
     {Manoeuvre::kStir, "mean force"}, {Manoeuvre::kPress, "peak force"}, {Manoeuvre::kScoop, "weight"}};
 
-// Two of Okabe and Ito's colours, which the colour-blind can tell apart.
+// Two colours of Okabe and Ito, distinguishable with colour blindness.
 std::string_view colourOf(FrictionModel friction) {
   return friction == FrictionModel::kPaper ? "#d55e00" : "#0072b2";
 }
@@ -32,7 +32,7 @@ std::string_view titleOf(FrictionModel friction) {
   return friction == FrictionModel::kPaper ? "paper''s friction" : "contact friction";
 }
 
-/// The experiments that there are, in their order.
+/// Returns the names of the experiments, in their order.
 std::vector<std::string> namesOf(const std::vector<PerceptionBlock>& blocks) {
   std::vector<std::string> names;
   for (const PerceptionBlock& block : blocks) {
@@ -43,7 +43,7 @@ std::vector<std::string> namesOf(const std::vector<PerceptionBlock>& blocks) {
   return names;
 }
 
-/// Names of the stimuli instead of numbers, on a logarithmic axis.
+/// Returns tick labels with the names of the stimuli, for a logarithmic axis.
 std::string ticsOf(const PerceptionBlock& block) {
   std::string tics;
   for (const PerceptionStimulus& stimulus : block.stimuli) {
@@ -80,7 +80,7 @@ void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& bloc
         }
         drawn = found->cue;
         std::vector<std::vector<double>> rows;
-        const double aside = blocks[b].friction == FrictionModel::kPaper ? 0.99 : 1.01;  // bars beside each other
+        const double aside = blocks[b].friction == FrictionModel::kPaper ? 0.99 : 1.01;  // bars next to each other
         for (std::size_t i = 0; i < found->means.size(); ++i) {
           rows.push_back({blocks[b].stimuli[i].x * aside, found->means[i], found->deviations[i]});
         }

@@ -13,7 +13,7 @@ namespace haptolith {
 
 namespace {
 
-/// A number of an exploration that is felt or seen, with the sense for it.
+/// Haptic or visual cue of an exploration, with its sense.
 struct AnyCue {
   std::string_view name, unit;
   Sense sense;
@@ -28,7 +28,7 @@ struct AnyCue {
 
 using Explorations = std::vector<Exploration>;
 
-/// Those that every exploration has.
+/// Returns the cues that are available in every exploration.
 std::vector<AnyCue> cuesOf(const std::vector<Explorations>& stimuli, bool seen, double sense_scale) {
   std::vector<AnyCue> all;
   if (seen) {
@@ -83,7 +83,7 @@ Detectability detectability(const Explorations& reference, const Explorations& t
           .interval = {.low = dPrime(pair.interval.low), .high = dPrime(pair.interval.high)}};
 }
 
-/// Explorations of every scene: [scene][repeat].
+/// Returns explorations of every scene: [scene][repeat].
 std::vector<Explorations> exploreAll(const std::vector<SceneFile>& scenes, const TaskOptions& options,
                                      const PerceptionProgress& progress) {
   const auto repeats = static_cast<std::size_t>(options.repeats);

@@ -5,17 +5,17 @@
 
 namespace haptolith {
 
-/// What a device's buttons say. Button 0, which a squeezed gripper is too, goes on; at a question it answers left when
-/// pressed briefly and right when held for 0.6 s. Button 1 answers right at once. What is down already when something
-/// is asked does not count.
+/// Interprets a device's buttons as responses. Button 0, or a squeezed gripper, continues; at a question a short press
+/// responds left, and a press of 0.6 s responds right. Button 1 responds right immediately. A button that is already
+/// down when the question appears is ignored.
 class ButtonAnswer {
  public:
   static constexpr double kLong_s = 0.6;
 
-  /// Something is asked from now on.
+  /// Begins a question.
   void ask() noexcept { armed_ = false; }
 
-  /// @return 0 or 1 once for each press that is complete.
+  /// @return 0 or 1, once for each complete press.
   std::optional<int> step(std::uint32_t buttons, double now_s) noexcept {
     const bool first = (buttons & 1U) != 0;
     const bool second = (buttons & 2U) != 0;

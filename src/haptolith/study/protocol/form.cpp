@@ -14,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::size_t kLongestText = 10000;  // letters; more is no answer to a question
+constexpr std::size_t kLongestText = 10000;  // characters; longer text is not a plausible answer
 
 bool isNumberOf(const FormItem& item, std::string_view text) {
   double value = 0;

@@ -9,24 +9,24 @@
 
 namespace haptolith {
 
-/// Checks what somebody has filled in; an empty value is one that is left out.
-/// @throws InvalidParameter for a value whose item does not exist or does not allow it, and for a missing one that is
-/// required.
+/// Checks the values of a form; an empty value is a missing one.
+/// @throws InvalidParameter for an unknown item, a value that the item does not allow, and a missing required value.
 void requireFormValues(const std::vector<FormItem>& items, const std::map<std::string, std::string>& values);
 
-/// A form of a study: what the store calls it, and its items.
+/// Form of a study: its name in the store, and its items.
 struct Form {
   std::string name;
   std::vector<FormItem> items;
 };
 
-/// "demographics"; the name of each block, for the questionnaire after it; "questionnaire". Only those with items.
+/// Returns the forms with items: "demographics"; the name of each block, for the questionnaire after it;
+/// "questionnaire".
 [[nodiscard]] std::vector<Form> formsOf(const StudyProtocol& protocol);
 
 inline constexpr std::string_view kDemographicsForm = "demographics";
 inline constexpr std::string_view kQuestionnaireForm = "questionnaire";
 
-/// What an item allows: "1 to 120", "left, right or both", "yes or no", "text".
+/// Describes the valid values of an item: "1 to 120", "left, right or both", "yes or no", "text".
 [[nodiscard]] std::string validText(const FormItem& item);
 
 }  // namespace haptolith

@@ -23,7 +23,7 @@ const FormItem& itemOf(const StudyProtocol& protocol, const std::string& key) {
   return *std::ranges::find(protocol.demographics, key, &FormItem::key);
 }
 
-/// Which of the item's parts an answer falls into.
+/// Returns the index of the item's part that contains an answer.
 std::size_t partOf(const FormItem& item, const std::string& answer) {
   requireFormValues({item}, {{item.key, answer}});
   if (isNumber(item)) {
@@ -35,7 +35,7 @@ std::size_t partOf(const FormItem& item, const std::string& answer) {
   return static_cast<std::size_t>(std::ranges::find(parts, answer) - parts.begin());
 }
 
-/// The groups in turn, each as often as its share: with 2 and 1 the first, the second, the first.
+/// Returns one turn of the groups, each as often as its share: with shares 2 and 1: first, second, first.
 std::vector<std::size_t> oneTurn(const StudyProtocol& protocol) {
   std::vector<std::size_t> turn;
   int most = 0;
@@ -92,7 +92,7 @@ std::size_t stratumOf(const StudyProtocol& protocol, const std::map<std::string,
 
 std::string stratumText(const StudyProtocol& protocol, std::size_t stratum) {
   std::vector<std::string> texts;
-  std::size_t within = strataOf(protocol);  // how many there are in each part of the items so far
+  std::size_t within = strataOf(protocol);  // number of strata in each part of the items so far
   for (const std::string& key : protocol.assignment.strata) {
     const std::vector<std::string> parts = stratumParts(itemOf(protocol, key));
     within /= parts.size();

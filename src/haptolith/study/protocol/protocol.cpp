@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr FileKind kProtocol{
     .name = "protocol", .example_key = "title", .document = "docs/reference/protocol-keys.md", .left_out = "left out"};
 
-/// What is said of trials that there are none of is a mistake that nobody would see.
+/// Rejects keys for trials that the block does not have; otherwise the mistake would stay unnoticed.
 void requireCriteria(const StudyBlock& block) {
   const auto refuse = [](const char* key, bool given, const char* why) {
     if (given) {
@@ -51,7 +51,7 @@ void requireVisualDelay(const StudyBlock& block) {
   }
 }
 
-/// Whether there is a level on each side of the reference is what tells "more" from "less".
+/// Checks that there are levels on both sides of the reference, so that "more" and "less" are distinguishable.
 void requireReferenceAmongLevels(const StudyBlock& block) {
   const double low = block.levels.front().value;
   const double high = block.levels.back().value;
@@ -65,7 +65,7 @@ void requireReferenceAmongLevels(const StudyBlock& block) {
   }
 }
 
-/// Every stimulus must make a scene that can be run.
+/// Checks that every stimulus makes a valid scene.
 void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
   const auto require = [&](std::string_view key, const Stimulus& stimulus) {
     try {
@@ -87,7 +87,7 @@ void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
   }
 }
 
-/// Keys of one procedure in a block that has another are a mistake that nobody would see.
+/// Rejects keys of other procedures than the block's; otherwise the mistake would stay unnoticed.
 void refuseKeysOfOtherProcedures(const TomlReader& reader, const StudyBlock& block) {
   if (block.procedure != ProcedureKind::kConstant && reader.find("", "repeats") != nullptr) {
     reader.refuseKey({"", "repeats"}, "left out: the procedure ends by itself");
@@ -100,7 +100,7 @@ void refuseKeysOfOtherProcedures(const TomlReader& reader, const StudyBlock& blo
   }
 }
 
-/// The procedures check their options themselves, when they are made.
+/// Checks the procedure's options by constructing it.
 void requireProcedure(StudyBlock& block) {
   block.staircase.log_axis = block.log_axis;
   block.quest_plus.log_axis = block.log_axis;
@@ -120,7 +120,7 @@ void requireProcedure(StudyBlock& block) {
   }
 }
 
-/// What a comparison needs and work at a robot's site has no use for.
+/// Keys for comparisons, which are not valid in blocks of teleoperation.
 constexpr std::array kOfComparisons{"question",
                                     "answers",
                                     "varies",
@@ -144,7 +144,7 @@ constexpr std::array kOfComparisons{"question",
                                     "answer_limit_s",
                                     "visual_delay_s"};
 
-/// Its robot must be able to dig in its site, and its model to learn.
+/// Checks that the robot can dig in its site and that the model can learn.
 void requireTeleop(const StudyProtocol& protocol, const StudyBlock& block) {
   const TeleopWork& work = *block.teleop;
   const std::vector<std::string> sites = sceneNames();
@@ -163,7 +163,7 @@ void requireTeleop(const StudyProtocol& protocol, const StudyBlock& block) {
   }
 }
 
-/// A block that compares nothing; what it shares with others is read already.
+/// Reads a teleoperation block; keys common to all blocks have already been read into the draft.
 StudyBlock readTeleopBlock(const TomlReader& reader, const StudyProtocol& protocol, const BlockDraft& draft) {
   for (const char* key : kOfComparisons) {
     if (reader.has("", key)) {
@@ -227,7 +227,7 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
   return block;
 }
 
-/// The built-in scene that the key names; empty: it names a file, or is left out.
+/// Returns the built-in scene named by the key; empty: the key is missing or names a file.
 std::string builtInScene(const TomlReader& reader) {
   const toml::node* key = reader.find("", "scene");
   const std::string name = key != nullptr ? key->value_or(std::string()) : "";
@@ -311,7 +311,7 @@ ProtocolText findProtocol(std::string_view name_or_file) {
     }
   }
   const fs::path path(name_or_file);
-  std::error_code ignored;  // such as a name that is too long for any file
+  std::error_code ignored;  // such as a file name that is too long
   if (!fs::is_regular_file(path, ignored)) {
     throw InvalidParameter(
         "protocol", fmt::format("'{}'", name_or_file),

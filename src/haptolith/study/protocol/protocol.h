@@ -16,153 +16,154 @@
 
 namespace haptolith {
 
-/// One value of what a block varies, and how the scene comes to show it.
+/// One value of the quantity that a block varies, and the corresponding change of the scene.
 struct Stimulus {
-  std::string name = {};    ///< "P1", "Mars", "0.85": unique in its block
-  double value = 0;         ///< on the axis of the psychometric function
-  SceneChange change = {};  ///< of the block's scene
+  std::string name = {};    ///< "P1", "Mars", "0.85"; unique in its block
+  double value = 0;         ///< position on the axis of the psychometric function
+  SceneChange change = {};  ///< change of the block's scene
 };
 
-/// What a trial asks. kReferenceFirst: the reference, then the test; "was the second heavier?" (the paper's).
-/// kRandomOrder: the same question with the order drawn. kTwoInterval: "which of the two was heavier?", the first or
-/// the second. Whatever is asked, a stored answer is positive when the test was said to have more.
+/// Task of a trial. kReferenceFirst: the reference, then the test; "was the second heavier?" (icra2021). kRandomOrder:
+/// this question with randomised order. kTwoInterval: "which of the two was heavier?", the first or the second. In all
+/// tasks a stored response is positive if the participant judged that the test has more.
 enum class TaskKind { kReferenceFirst, kRandomOrder, kTwoInterval };
 
-/// Who chooses the levels: a list made beforehand, or the answers so far.
+/// Selection of levels: from a predefined list (constant), or adapted to the responses so far.
 enum class ProcedureKind { kConstant, kStaircase, kQuestPlus };
 
-/// A question of a form.
+/// Question of a form.
 struct FormItem {
   enum class Kind { kText, kNumber, kChoice, kScale, kYesNo };
 
   std::string key = {}, label = {};
   Kind kind = Kind::kText;
-  std::vector<std::string> choices = {};        ///< of a choice
-  double low = 0, high = 0;                     ///< ends of a scale, or of what a number may be; equal: any number
-  std::string low_label = {}, high_label = {};  ///< of a scale
-  std::vector<double> cut_points = {};  ///< ascending: where a number is cut into strata, each cut in the upper part
+  std::vector<std::string> choices = {};        ///< options of a choice
+  double low = 0, high = 0;                     ///< ends of a scale, or limits of a number; equal: any number
+  std::string low_label = {}, high_label = {};  ///< labels of a scale's ends
+  std::vector<double> cut_points = {};  ///< ascending limits between strata of a number; each belongs to the upper part
   bool required = false;
-  bool personal = false;  ///< kept in the table that an export leaves out
+  bool personal = false;  ///< stored in a table that exports leave out by default
 };
 
-/// What the hand feels while a robot far away does the work. kNone: nothing; kModel: soil of its own, which stays as it
-/// is; kLearning: soil of its own, which becomes like what the robot meets.
+/// Force at the hand during teleoperation. kNone: no force; kModel: a static local soil model; kLearning: a local soil
+/// model that adapts to the measurements at the robot.
 enum class TeleopForce { kNone, kModel, kLearning };
 
-/// What the trials of a block are where they compare nothing: a task at the site of a robot, which is led over a link
-/// with delay. What is felt is the block's scene.
+/// Trials of a block without comparison: a task at the site of a robot, which is teleoperated over a link with delay.
+/// The local soil model is the block's scene.
 struct TeleopWork {
   SiteTask task = SiteTask::kTrench;
   TeleopForce force = TeleopForce::kLearning;
   double round_trip_s = 0;
-  std::string site = "dig-site";  ///< built-in scene that the robot digs in
+  std::string site = "dig-site";  ///< built-in scene of the robot
 };
 
 struct StudyBlock {
   std::string name = {}, title = {}, instructions = {}, question = {};
-  std::string hypothesis = {};              ///< for the preregistration
-  std::array<std::string, 2> answers = {};  ///< shown left and right; [1] is the positive one, or "the second"
-  std::string axis_label = {};              ///< "friction coefficient"; with its unit where it has one
+  std::string hypothesis = {};              ///< hypothesis in the preregistration
+  std::array<std::string, 2> answers = {};  ///< labels, left and right; [1] is positive, or "the second"
+  std::string axis_label = {};              ///< "friction coefficient"; with its unit, if it has one
   bool log_axis = false;
-  SceneChange scene = {};  ///< what the block changes of the study's scene
+  SceneChange scene = {};  ///< the block's change of the study's scene
   Stimulus reference = {};
-  std::vector<Stimulus> levels = {};      ///< in the order of their values, the smallest first
-  std::optional<TeleopWork> teleop = {};  ///< then reference and the only level are its name and round trip
+  std::vector<Stimulus> levels = {};      ///< in ascending order of their values
+  std::optional<TeleopWork> teleop = {};  ///< if set, reference and the only level are its name and round trip
   TaskKind task = TaskKind::kReferenceFirst;
   ProcedureKind procedure = ProcedureKind::kConstant;
-  int repeats = 3;                             ///< constant: of each level
-  StaircaseOptions staircase = {};             ///< over the values of `levels`; its seed is each participant's
-  QuestPlusOptions quest_plus = {};            ///< over the values of `levels`
-  int practice_trials = 0;                     ///< before the others
-  std::vector<Stimulus> practice_levels = {};  ///< what they show; empty: all levels
-  int practice_rounds = 1;                     ///< of practice at most, each of so many trials
-  double practice_criterion = 0;               ///< share right that ends practice
-  int catch_trials = 0;                        ///< among the others
-  std::vector<Stimulus> catch_levels = {};     ///< what they show; empty: the level farthest from the reference
-  double catch_criterion = 0;                  ///< share right below which a participant does not attend
-  bool feedback = false;                       ///< whether a participant is told that an answer was right
-  bool practice_feedback = true;               ///< the same in practice trials
-  bool visual = true;                          ///< false: the participant's page is blank while a stimulus is felt
-  double visual_delay_s = 0;                   ///< how much later than the force its picture is seen; 0 if not visual
-  double interval_s = 0;                       ///< longest time with one stimulus; 0: until the participant goes on
-  double between_intervals_s = 0.25;           ///< from the end of the first stimulus to the beginning of the second
-  double between_trials_s = 0.25;              ///< from the answer (and its feedback) to the next first stimulus
-  double answer_limit_s = 0;                   ///< longest time for an answer; 0: none
-  int break_every_trials = 0;                  ///< 0: no breaks
-  double break_s = 0;                          ///< shortest length of a break
-  std::vector<FormItem> questionnaire = {};    ///< after the block
+  int repeats = 3;                   ///< constant: repeats of each level
+  StaircaseOptions staircase = {};   ///< over the values of `levels`; the seed is different for each participant
+  QuestPlusOptions quest_plus = {};  ///< options over the values of `levels`
+  int practice_trials = 0;           ///< practice trials, before the others
+  std::vector<Stimulus> practice_levels = {};  ///< levels of practice trials; empty: all levels
+  int practice_rounds = 1;                     ///< maximum number of rounds of `practice_trials` each
+  double practice_criterion = 0;               ///< fraction correct that ends practice
+  int catch_trials = 0;                        ///< catch trials, mixed with the others
+  std::vector<Stimulus> catch_levels = {};     ///< levels of catch trials; empty: the level farthest from the reference
+  double catch_criterion = 0;                  ///< fraction correct below which a participant counts as inattentive
+  bool feedback = false;                       ///< whether the page shows if a response was correct
+  bool practice_feedback = true;               ///< feedback in practice trials
+  bool visual = true;                          ///< false: the participant's page is blank during a stimulus
+  double visual_delay_s = 0;                   ///< delay of the visual display after the force; 0 if not visual
+  double interval_s = 0;                       ///< maximum time with one stimulus; 0: until the participant continues
+  double between_intervals_s = 0.25;           ///< pause between the first and the second stimulus
+  double between_trials_s = 0.25;              ///< pause from the response (and its feedback) to the next trial
+  double answer_limit_s = 0;                   ///< maximum time for a response; 0: no limit
+  int break_every_trials = 0;                  ///< trials between breaks; 0: no breaks
+  double break_s = 0;                          ///< minimum duration of a break
+  std::vector<FormItem> questionnaire = {};    ///< form after the block
 };
 
-/// In what order a participant comes to the blocks. kLatinSquare: each block is in each place equally often, and before
-/// and after each other block equally often (Williams 1949).
+/// Order of the blocks. kLatinSquare: each block is at each position equally often, and directly follows each other
+/// block equally often (Williams 1949).
 enum class BlockOrder { kFixed, kLatinSquare, kRandom };
 
-/// Participants who go through the same blocks, and nobody of another group with them.
+/// Group of participants with a common list of blocks. Each participant is in one group.
 struct ParticipantGroup {
   std::string name = {};
-  std::vector<std::size_t> blocks = {};  ///< of the protocol's, in the order of the group's list
-  int share = 1;                         ///< of all participants, over the sum of all groups' shares
+  std::vector<std::size_t> blocks = {};  ///< indices of the protocol's blocks, in the order of the group's list
+  int share = 1;                         ///< weight: the group gets share / (sum of all shares) of the participants
 };
 
-/// How participants come into groups. kAlternate: in turn. kRandom: in permuted blocks, whose order is drawn.
-/// kStratified: the same within each stratum.
+/// Assignment of participants to groups. kAlternate: in turn. kRandom: in randomly permuted blocks. kStratified: in
+/// randomly permuted blocks within each stratum.
 enum class AssignmentMethod { kAlternate, kRandom, kStratified };
 
 struct GroupAssignment {
   AssignmentMethod method = AssignmentMethod::kRandom;
-  int block_size = 0;                    ///< participants in a permuted block, in which each group has its share
+  int block_size = 0;  ///< participants in a permuted block, which contains each group according to its share
   std::vector<std::string> strata = {};  ///< keys of the demographics items whose answers make the strata
 };
 
-/// A user study before anybody has taken part.
+/// Protocol of a user study.
 struct StudyProtocol {
   std::string title = {}, consent = {}, instructions = {}, thanks = {};
   SceneFile scene = {};
   BlockOrder order = BlockOrder::kFixed;
   std::vector<StudyBlock> blocks = {};
-  std::vector<ParticipantGroup> groups = {};  ///< empty: everybody goes through all blocks
-  GroupAssignment assignment = {};            ///< where there are groups
-  std::vector<FormItem> demographics = {};    ///< before the first block
-  std::vector<FormItem> questionnaire = {};   ///< after the last
-  int planned_participants = 0;               ///< that shall finish, the stopping rule; 0: the protocol does not say
-  bool record = true;                         ///< each trial into a recording of its own
-  std::string consent_version = {};           ///< empty: the hash of the text stands for it
-  std::string language = "en";                ///< of all texts
+  std::vector<ParticipantGroup> groups = {};  ///< empty: all participants have all blocks
+  GroupAssignment assignment = {};            ///< assignment to groups, if there are any
+  std::vector<FormItem> demographics = {};    ///< form before the first block
+  std::vector<FormItem> questionnaire = {};   ///< form after the last block
+  int planned_participants = 0;               ///< stopping rule: number of participants who finish; 0: none
+  bool record = true;                         ///< whether each trial is recorded, in a separate file
+  std::string consent_version = {};           ///< empty: identified by the hash of the text
+  std::string language = "en";                ///< language of all texts
   std::vector<std::string> authors = {};
 };
 
 /// Reads a protocol; docs/reference/protocol-keys.md and protocol-tables.md list every key.
-/// @throws InvalidParameter for an unknown key, a wrong type or a value that is not valid, with file, line, key, value
-/// and what would be valid; Failure when the file cannot be read.
+/// @throws InvalidParameter for an unknown key, a wrong type or an invalid value, with file, line, key, value and valid
+/// values; Failure if the file cannot be read.
 [[nodiscard]] StudyProtocol loadProtocol(const std::filesystem::path& path);
 
-/// The same for a text that is no file; messages call it `name`, and a scene's file lies beside what that would be.
-/// With a scene given, the one that the text names is not read.
+/// As above, for a text instead of a file. Messages use `name` as its path, and a scene's file is resolved relative to
+/// it. If a scene is given, the one named in the text is not read.
 [[nodiscard]] StudyProtocol loadProtocolText(std::string_view toml, std::string_view name,
                                              const SceneFile* scene = nullptr);
 
-/// The text of a protocol, and what messages call it.
+/// Text of a protocol, and its name in messages.
 struct ProtocolText {
   std::string name, text;
 };
 
-/// The built-in protocol of that name, upper and lower case alike; otherwise the file of that name.
-/// @throws InvalidParameter listing the built-in names when it is neither; Failure when the file cannot be read.
+/// Returns the built-in protocol of this name (case-insensitive), or else the file of this name.
+/// @throws InvalidParameter listing the built-in names if neither exists; Failure if the file cannot be read.
 [[nodiscard]] ProtocolText findProtocol(std::string_view name_or_file);
 
-/// @throws InvalidParameter naming the first text in [BRACKETS] that is left in the consent page.
+/// Checks that the consent page has no [BRACKETS].
+/// @throws InvalidParameter naming the first text in [BRACKETS].
 void requireFilledIn(const StudyProtocol& protocol);
 
-/// The built-in protocols: the files in protocols/.
+/// Returns the names of the built-in protocols, which are the files in protocols/.
 [[nodiscard]] std::vector<std::string_view> protocolNames();
 
-/// The scene that shows one stimulus of a block. @throws InvalidParameter, Failure: as changed().
+/// Returns the scene with one stimulus of a block. @throws InvalidParameter, Failure as changed().
 [[nodiscard]] SceneFile sceneOf(const StudyProtocol& protocol, const StudyBlock& block, const Stimulus& stimulus);
 
-/// The level farthest from the reference on the block's axis, the smaller one of two.
+/// Returns the index of the level farthest from the reference on the block's axis; of two, the lower level.
 [[nodiscard]] std::size_t farthestLevel(const StudyBlock& block);
 
-/// The six scales of the NASA Task Load Index, 0 to 100 in steps of 5 (Hart and Staveland 1988).
+/// Returns the six scales of the NASA Task Load Index, 0 to 100 in steps of 5 (Hart and Staveland 1988).
 [[nodiscard]] std::span<const FormItem> nasaTaskLoadIndex();
 
 }  // namespace haptolith

@@ -17,7 +17,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::size_t kMostStrata = 1000;  // each of them would have to be filled with people
+constexpr std::size_t kMostStrata = 1000;  // each stratum needs participants
 
 std::vector<std::size_t> blocksNamed(const GroupDraft& draft, const StudyProtocol& protocol) {
   std::vector<std::size_t> blocks;
@@ -62,7 +62,7 @@ ParticipantGroup readGroup(const TomlReader& reader, const StudyProtocol& protoc
   return draft.group;
 }
 
-/// A block that nobody goes through is a mistake that nobody would see.
+/// Rejects blocks that are in no group; otherwise the mistake would stay unnoticed.
 void requireEveryBlock(const TomlReader& reader, const StudyProtocol& protocol) {
   for (std::size_t block = 0; block < protocol.blocks.size(); ++block) {
     const auto goes_through = [block](const ParticipantGroup& group) {
@@ -76,7 +76,8 @@ void requireEveryBlock(const TomlReader& reader, const StudyProtocol& protocol) 
   }
 }
 
-/// @throws InvalidParameter for a demographics item that parts nobody.
+/// Returns the number of parts into which a demographics item divides participants.
+/// @throws InvalidParameter for an item that makes no strata.
 std::size_t partsOfStratum(const StudyProtocol& protocol, const std::string& key) {
   const auto item = std::ranges::find(protocol.demographics, key, &FormItem::key);
   const auto refuse = [&key](std::string_view what) {

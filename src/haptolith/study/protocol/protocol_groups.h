@@ -6,8 +6,8 @@
 namespace haptolith {
 
 /// Reads the tables [[groups]] into a protocol whose blocks, demographics and [assignment] have been read, and checks
-/// how people come into them.
-/// @throws InvalidParameter for what is not valid in these, with file, line, key, value and what would be valid.
+/// the assignment.
+/// @throws InvalidParameter for an invalid table, with file, line, key, value and valid values.
 void readGroups(const TomlReader& reader, StudyProtocol& protocol);
 
 }  // namespace haptolith

@@ -9,10 +9,10 @@
 namespace haptolith {
 
 /// Reads the tables [[name]], each a question of a form.
-/// @throws InvalidParameter for what is not valid in these, with file, line, key, value and what would be valid.
+/// @throws InvalidParameter for an invalid table, with file, line, key, value and valid values.
 [[nodiscard]] std::vector<FormItem> readItems(const TomlReader& reader, std::string_view name);
 
-/// Those after the scales of nasaTaskLoadIndex(), where these are wanted.
+/// Returns the items, after the scales of nasaTaskLoadIndex() if `wanted`.
 [[nodiscard]] std::vector<FormItem> withTaskLoadIndex(bool wanted, std::vector<FormItem> items);
 
 }  // namespace haptolith

@@ -28,7 +28,7 @@ constexpr Range kTrials{0, 1000};
 constexpr Range kShare{0, 1};
 constexpr std::size_t kLongestName = 32;
 
-constexpr Range kVisualDelay_s{0, 5};  // so many pictures a page can hold back
+constexpr Range kVisualDelay_s{0, 5};  // limited by the number of frames that a page can buffer
 
 constexpr std::array kSceneNumbers{
     SceneNumber{"soil_depth_mm", "depth of the soil (mm)", kMillimetres.in_si, &SceneChange::soil_depth_m,
@@ -85,7 +85,7 @@ constexpr std::array kItemWords{
 
 const std::vector<std::string_view> kQuestionnaires{"nasa-tlx"};
 
-/// Names become names of columns, files and BIDS tasks, hence so few letters.
+/// Checks a name. It becomes the name of columns, files and BIDS tasks, so few characters are allowed.
 std::string nameOf(std::string_view key, std::string_view text, std::string_view also) {
   const bool valid = text.size() <= kLongestName && std::ranges::all_of(text, [&](unsigned char letter) {
                        return (letter < 0x80 && std::isalnum(letter) != 0) ||
@@ -129,7 +129,7 @@ BlockKey::ItemsValue ofQuestPlus(std::vector<double> QuestPlusOptions::*numbers)
           }};
 }
 
-/// "equal-asymptote", "yesno", or how many alternatives there are: "2afc", "3afc", ...
+/// Sets the design: "equal-asymptote", "yesno", or a number of alternatives: "2afc", "3afc", ...
 void setDesign(BlockDraft& draft, std::string_view text) {
   constexpr std::string_view kForced = "afc";
   QuestPlusOptions& options = draft.block.quest_plus;
@@ -338,7 +338,7 @@ std::vector<BlockKey> procedureKeys() {
   };
 }
 
-/// A number that the soil of the whole block is given.
+/// Returns the key for a number of the soil in all trials of the block.
 BlockKey sliderKey(std::string_view key, const Range& valid, std::string_view meaning) {
   const auto set = [key](BlockDraft& d, double v) { d.block.scene.sliders.emplace_back(std::string(key), v); };
   return {"scene", key, "", BlockKey::NumberValue{valid, set, kOnlyRead}, meaning};
@@ -392,7 +392,7 @@ std::vector<BlockKey> teleopKeys() {
   };
 }
 
-/// Checks of values against each other call a parameter what the file calls it.
+/// Uses the file's names as parameter names, for the messages of checks between values.
 template <class Key>
 std::vector<Key> named(std::vector<Key> keys) {
   for (Key& key : keys) {

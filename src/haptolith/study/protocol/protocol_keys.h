@@ -11,14 +11,14 @@
 
 namespace haptolith {
 
-/// What the top of a protocol says, before it is made sense of.
+/// Top level of a protocol file, as read.
 struct ProtocolDraft {
   StudyProtocol protocol = {};
-  std::filesystem::path scene_file = {};  ///< empty: the paper's scene
+  std::filesystem::path scene_file = {};  ///< empty: the scene of icra2021
   bool task_load_index = false;
 };
 
-/// What a [[block]] says, before it is made sense of.
+/// Table [[block]], as read.
 struct BlockDraft {
   StudyBlock block = {};
   std::string varies = {};
@@ -29,7 +29,7 @@ struct BlockDraft {
   bool task_load_index = false;
 };
 
-/// What a [[groups]] says, before it is made sense of.
+/// Table [[groups]], as read.
 struct GroupDraft {
   ParticipantGroup group = {};
   std::optional<std::vector<std::string>> blocks = {};  ///< names; none: all blocks
@@ -40,22 +40,22 @@ using GroupKey = FileKey<GroupDraft>;
 using BlockKey = FileKey<BlockDraft>;
 using ItemKey = FileKey<FormItem>;
 
-/// The keys of a protocol: at its top and in [assignment], in a [[groups]], in a [[block]], and in an item of a form.
-/// docs/reference/protocol-keys.md and protocol-tables.md list them.
+// Keys of a protocol: at top level and in [assignment], in [[groups]], in [[block]], and in an item of a form.
+// docs/reference/protocol-keys.md and protocol-tables.md list them.
 [[nodiscard]] std::span<const ProtocolKey> protocolKeys();
 [[nodiscard]] std::span<const GroupKey> groupKeys();
 [[nodiscard]] std::span<const BlockKey> blockKeys();
 [[nodiscard]] std::span<const ItemKey> itemKeys();
 
-/// "none", "model" or "learning".
+/// Returns "none", "model" or "learning".
 [[nodiscard]] std::string_view teleopForceWord(TeleopForce force);
 
-/// A number of the scene, other than the soil's, that a block may set or vary.
+/// Number of the scene outside the soil that a block may set or vary.
 struct SceneNumber {
   std::string_view key, axis_label;
-  double unit;  ///< of the key, in SI
+  double unit;  ///< unit of the key, in SI
   std::optional<double> SceneChange::*member;
-  Range valid;  ///< in SI
+  Range valid;  ///< valid range in SI
   std::string_view meaning;
 };
 [[nodiscard]] std::span<const SceneNumber> sceneNumbers();

@@ -17,7 +17,7 @@ namespace haptolith {
 
 namespace {
 
-/// What a block may vary: how messages and axes call it, and the stimulus that a word or number of the file stands for.
+/// Quantity that a block may vary: its name in messages and on axes, and the stimulus for a word or number in the file.
 struct Variation {
   std::string_view levels_are, axis_label;
   Stimulus (*stimulus)(std::string_view varies, const TextOrNumber& level);
@@ -36,7 +36,7 @@ Stimulus bodyStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
 }
 
 Stimulus soilStimulus(std::string_view /*varies*/, const TextOrNumber& level) {
-  const std::vector<std::string> names = soilNames();  // a file beside the protocol would not travel with the study
+  const std::vector<std::string> names = soilNames();  // a file next to the protocol would not be stored in the study
   if (std::ranges::find(names, level.text) == names.end()) {
     throw InvalidParameter("soil", fmt::format("'{}'", level.text), fmt::format("one of {}", fmt::join(names, ", ")));
   }
@@ -71,7 +71,7 @@ Stimulus sceneStimulus(std::string_view varies, const TextOrNumber& level) {
   return stimulus;
 }
 
-/// What a block may vary, but for numbers of the soil with a control and numbers of the scene.
+/// Quantity that a block may vary, other than numbers of the soil with a slider and numbers of the scene.
 struct NamedVariation {
   std::string_view key;
   Variation variation;
@@ -97,7 +97,7 @@ Variation variationOf(std::string_view varies) {
   return {"numbers", std::ranges::find_if(kSoilNumbers, varied)->control.axis_label, sliderStimulus};
 }
 
-/// The stimulus a level stands for. @throws InvalidParameter for the key of the block in which it stands.
+/// Returns the stimulus for a level. @throws InvalidParameter with the key that contains it.
 Stimulus stimulusOf(const BlockDraft& draft, std::string_view key, const TextOrNumber& level) {
   const Variation variation = variationOf(draft.varies);
   try {
@@ -144,9 +144,9 @@ void readLevels(BlockDraft& draft) {
   }
 }
 
-/// What practice or catch trials show: levels, with their values, or other stimuli of the same kind.
+/// Returns the stimuli of practice or catch trials: levels, with their values, or other stimuli of this kind.
 std::vector<Stimulus> easyLevels(const BlockDraft& draft, const char* key, const std::vector<TextOrNumber>& items) {
-  const bool has_places = draft.values.empty();  // that a name or number alone tells
+  const bool has_places = draft.values.empty();  // axis positions that follow from the name or number
   std::vector<Stimulus> stimuli;
   for (const TextOrNumber& wanted : items) {
     Stimulus stimulus = stimulusOf(draft, key, wanted);

@@ -7,14 +7,14 @@
 
 namespace haptolith {
 
-/// What a block may vary: "preset", "body", "soil", the key of a slider or that of a number of the scene.
+/// Returns the quantities that a block may vary: "preset", "body", "soil", keys of sliders, and keys of scene numbers.
 [[nodiscard]] std::vector<std::string_view> variedThings();
 
-/// The name of one of variedThings() on an axis; empty for soils by name.
+/// Returns the axis label of one of variedThings(); empty for soils by name.
 [[nodiscard]] std::string_view axisLabelOf(std::string_view varies);
 
-/// Sets the stimuli of the draft's block, levels in the order of their values.
-/// @throws InvalidParameter for the key of the block in which a stimulus stands.
+/// Sets the stimuli of the draft's block, with levels in the order of their values.
+/// @throws InvalidParameter with the key that contains an invalid stimulus.
 void readStimuli(BlockDraft& draft);
 
 }  // namespace haptolith

@@ -10,10 +10,10 @@
 
 namespace haptolith {
 
-// Random numbers of a study, the same on every machine and after every crash: each draw has a generator of its own,
-// made from the study's seed and from what is drawn.
+// Random numbers of a study, identical on every machine and after every crash. Each draw has a separate generator,
+// seeded from the study's seed and the purpose of the draw.
 
-/// What random numbers are for; each purpose has a stream of its own, so that no draw shifts another's.
+/// Purpose of random numbers; each has a separate stream, so that draws are independent of each other.
 enum class Purpose : std::uint64_t {
   kBlockOrder,
   kPractice,
@@ -26,14 +26,14 @@ enum class Purpose : std::uint64_t {
   kTrust
 };
 
-/// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): each bit of the result depends on every bit of the number.
+/// Finaliser of SplitMix64 (Steele, Lea and Flood 2014): each bit of the result depends on every bit of the number.
 constexpr std::uint64_t mixed(std::uint64_t number) {
   number = (number ^ (number >> 30)) * 0xBF58476D1CE4E5B9;
   number = (number ^ (number >> 27)) * 0x94D049BB133111EB;
   return number ^ (number >> 31);
 }
 
-/// One number out of several, whose order counts.
+/// Combines several numbers into one seed; their order matters.
 constexpr std::uint64_t seedOf(std::initializer_list<std::uint64_t> parts) {
   std::uint64_t seed = 0;
   for (const std::uint64_t part : parts) {
@@ -42,10 +42,10 @@ constexpr std::uint64_t seedOf(std::initializer_list<std::uint64_t> parts) {
   return seed;
 }
 
-/// Evenly among 0 ... count - 1; the same on every machine, which the library's distributions are not.
+/// Draws uniformly from 0 ... count - 1; identical on every machine, unlike the standard library's distributions.
 inline std::size_t drawn(std::mt19937_64& random, std::size_t count) {
   const std::uint64_t largest = std::numeric_limits<std::uint64_t>::max();
-  const std::uint64_t unfair = largest - largest % count;  // numbers from here on would favour the small ones
+  const std::uint64_t unfair = largest - largest % count;  // numbers from here up would bias the result
   std::uint64_t number = random();
   while (number >= unfair) {
     number = random();
@@ -53,7 +53,7 @@ inline std::size_t drawn(std::mt19937_64& random, std::size_t count) {
   return number % count;
 }
 
-/// Fisher and Yates: every order is equally likely.
+/// Shuffles the values (Fisher and Yates): every order is equally likely.
 template <class Value>
 void shuffle(std::vector<Value>& values, std::mt19937_64& random) {
   for (std::size_t left = values.size(); left > 1; --left) {

@@ -14,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-/// The random numbers and seeds of one participant in one block.
+/// Random numbers and seeds of one participant in one block.
 class Draw {
  public:
   Draw(std::uint64_t study_seed, int participant_number, std::size_t block)
@@ -32,11 +32,11 @@ class Draw {
   std::uint64_t study_seed_, participant_, block_;
 };
 
-// Seeds of an adaptive block's main trials, apart from those of its planned ones.
+// Seeds of an adaptive block's main trials begin here, separate from those of its planned trials.
 constexpr std::uint64_t kAdaptiveSeeds = std::uint64_t{1} << 32;
 
-/// Each level in `levels`, in random order, with the test first in half of the trials of each; where that does not come
-/// out even, in half of those left over, to one.
+/// Returns one trial for each element of `levels`, in random order. The test is first in half of the trials of each
+/// level. For odd numbers of trials, the test is first in half of the remaining trials, to within one.
 std::vector<PlannedTrial> shuffledTrials(TrialKind kind, const StudyBlock& block,
                                          const std::vector<std::size_t>& levels, std::mt19937_64& random) {
   std::vector<std::size_t> times(levels.empty() ? 0 : *std::ranges::max_element(levels) + 1);
@@ -70,7 +70,7 @@ std::vector<PlannedTrial> shuffledTrials(TrialKind kind, const StudyBlock& block
   return trials;
 }
 
-/// As even a choice of `count` levels as there can be, each as often as the others, to one.
+/// Draws `count` levels as evenly as possible: the numbers of occurrences differ by at most one.
 std::vector<std::size_t> evenLevels(std::size_t count, std::size_t level_count, std::mt19937_64& random) {
   std::vector<std::size_t> levels;
   while (levels.size() < count) {
@@ -95,7 +95,7 @@ std::vector<PlannedTrial> mainTrials(const StudyBlock& block, const Draw& draw) 
   return shuffledTrials(TrialKind::kMain, block, levels, random);
 }
 
-/// About how many main trials a block has; exact unless it is adaptive.
+/// Returns the number of main trials of a block; approximate for an adaptive block.
 std::size_t expectedTrials(const StudyBlock& block) {
   switch (block.procedure) {
     case ProcedureKind::kConstant: return block.levels.size() * static_cast<std::size_t>(block.repeats);
@@ -105,7 +105,7 @@ std::size_t expectedTrials(const StudyBlock& block) {
   return 0;
 }
 
-/// Mixes the catch trials in, anywhere but before the first main trial.
+/// Mixes in the catch trials, at any position after the first main trial.
 std::vector<PlannedTrial> withCatchTrials(const StudyBlock& block, std::vector<PlannedTrial> main, const Draw& draw) {
   std::mt19937_64 random = draw.random(Purpose::kCatch);
   const auto count = static_cast<std::size_t>(block.catch_trials);
@@ -153,7 +153,7 @@ void requireParticipantNumber(int number) {
   }
 }
 
-/// `blocks` in the order in which they come to a participant. @param row  of the Latin square.
+/// Returns `blocks` in a participant's order. @param row  row of the Latin square.
 std::vector<std::size_t> inOrder(std::vector<std::size_t> blocks, const StudyProtocol& protocol,
                                  std::uint64_t study_seed, int participant_number, int row) {
   if (protocol.order == BlockOrder::kLatinSquare) {
@@ -184,7 +184,7 @@ std::vector<PlannedBlock> planned(const StudyProtocol& protocol, const std::vect
 }  // namespace
 
 std::vector<std::vector<std::size_t>> williamsDesign(std::size_t count) {
-  std::vector<std::size_t> first;  // 0, 1, n - 1, 2, n - 2, ...: its neighbours have every difference once
+  std::vector<std::size_t> first;  // 0, 1, n - 1, 2, n - 2, ...: differences of neighbours are all distinct
   for (std::size_t i = 0; i < count; ++i) {
     first.push_back(i % 2 == 1 ? (i + 1) / 2 : (count - i / 2) % count);
   }

@@ -9,62 +9,61 @@
 
 namespace haptolith {
 
-/// Practice comes first and counts for nothing; catch trials are easy ones among the main ones.
+/// Kind of a trial. Practice comes first and is not analysed; catch trials are easy trials among the main ones.
 enum class TrialKind { kPractice, kMain, kCatch };
 
-/// A trial before it is run.
+/// Planned trial.
 struct PlannedTrial {
   TrialKind kind = TrialKind::kMain;
-  std::size_t level = 0;    ///< of the block's levels; of practice and catch trials, of theirs if it has any
+  std::size_t level = 0;    ///< index in the block's levels, or in its practice or catch levels if it has any
   bool test_first = false;  ///< whether the test comes before the reference
-  std::uint64_t seed = 0;   ///< below 2^53: tables and JSON keep it exactly
-  int before_main = 0;      ///< a catch trial of an adaptive block comes before this main trial, counted from 0
+  std::uint64_t seed = 0;   ///< below 2^53, so that tables and JSON store it exactly
+  int before_main = 0;      ///< for a catch trial of an adaptive block: index of the main trial after it
 
   [[nodiscard]] bool operator==(const PlannedTrial&) const = default;
 };
 
-/// A block at its place in a participant's order. The main trials of an adaptive block are not planned, since their
-/// level is the procedure's: its trials are the practice and the catch trials.
+/// Block in a participant's order. For an adaptive block only practice and catch trials are planned, because the
+/// procedure selects the levels of the main trials.
 struct PlannedBlock {
-  std::size_t block = 0;  ///< of the protocol's blocks
+  std::size_t block = 0;  ///< index in the protocol's blocks
   std::vector<PlannedTrial> trials = {};
 };
 
-/// A participant's whole sequence. Same protocol, study seed and number: the same sequence, on every machine and after
-/// every crash.
+/// Returns a participant's complete sequence. It depends only on protocol, study seed and number, and is identical on
+/// every machine and after every crash.
 /// @param participant_number  1 is the first.
 [[nodiscard]] std::vector<PlannedBlock> sequenceFor(const StudyProtocol& protocol, std::uint64_t study_seed,
                                                     int participant_number);
 
-/// The same of somebody in a group. @param row  of the Latin square of the group's blocks, see nextRow().
+/// As above, for a participant in a group. @param row  row of the Latin square of the group's blocks, see nextRow().
 [[nodiscard]] std::vector<PlannedBlock> sequenceIn(const ParticipantGroup& group, int row,
                                                    const StudyProtocol& protocol, std::uint64_t study_seed,
                                                    int participant_number);
 
-/// The n-th main trial of an adaptive block, counted from 0: its order and seed. Of trials 2 k and 2 k + 1, one has the
-/// test first if the task's order is drawn.
+/// Returns order and seed of the n-th main trial of an adaptive block, counted from 0. If the order is randomised, one
+/// of the trials 2 k and 2 k + 1 has the test first.
 [[nodiscard]] PlannedTrial adaptiveTrial(const StudyProtocol& protocol, std::size_t block, std::uint64_t study_seed,
                                          int participant_number, int n, std::size_t level);
 
-/// The test stimulus of a trial.
+/// Returns the test stimulus of a trial.
 [[nodiscard]] const Stimulus& testOf(const StudyBlock& block, const PlannedTrial& trial);
 
-/// What an adaptive block's procedure draws with: another number for each study, participant and block.
+/// Returns the seed of an adaptive block's procedure; different for each study, participant and block.
 [[nodiscard]] std::uint64_t procedureSeed(std::uint64_t study_seed, int participant_number, std::size_t block);
 
-/// The number that the next participant gets: the least above `last` whose row of the Latin square is the least used by
-/// those who have not withdrawn; the next one where there is no such square, and where groups have squares of their
-/// own.
-/// @param kept  their numbers, 1 is the first.
+/// Returns the next participant's number: the smallest above `last` whose row of the Latin square is used least by
+/// participants who have not withdrawn. Without a Latin square, or with one per group: the number after `last`.
+/// @param kept  numbers of these participants, counted from 1.
 [[nodiscard]] int nextNumber(const StudyProtocol& protocol, std::span<const int> kept, int last);
 
-/// The row that the next participant of a group gets: the first that is the least used by those of the group who have
-/// not withdrawn. 0 where there is no Latin square.
-/// @param kept  their rows.
+/// Returns the row for the next participant of a group: the first of the rows used least by the group's participants
+/// who have not withdrawn. 0 without a Latin square.
+/// @param kept  rows of these participants.
 [[nodiscard]] int nextRow(const StudyProtocol& protocol, const ParticipantGroup& group, std::span<const int> kept);
 
-/// The orders of `count` blocks that participants take in turn: a Latin square for an even count, a pair of them for
-/// an odd one, in which each block follows each other equally often (Williams 1949).
+/// Returns the orders of `count` blocks that participants get in turn: one Latin square for an even count, two for an
+/// odd one. Each block directly follows each other block equally often (Williams 1949).
 [[nodiscard]] std::vector<std::vector<std::size_t>> williamsDesign(std::size_t count);
 
 }  // namespace haptolith

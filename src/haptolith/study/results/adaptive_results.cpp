@@ -21,8 +21,8 @@ namespace {
 
 constexpr int kThresholds = 85;
 
-/// So many JNDs from the reference equality may lie before one of the two staircases meets no errors: then the Weber
-/// fraction comes out too small (haptolith_adaptive_coverage).
+/// Maximum distance between the point of equality and the reference, in JNDs. Beyond it one of the two staircases has
+/// no errors, and the estimated Weber fraction is too small (haptolith_adaptive_coverage).
 constexpr double kMostShift = 0.5;
 
 std::vector<double> valuesOf(const StudyBlock& block) {
@@ -35,16 +35,16 @@ bool looksForEquality(const StudyBlock& block) {
   return block.procedure == ProcedureKind::kStaircase && block.staircase.target == StaircaseTarget::kEquality;
 }
 
-/// The least and the largest threshold that is thought possible.
+/// Returns minimum and maximum threshold among the hypotheses.
 std::pair<double, double> thresholdsOf(const QuestPlus& quest) {
   const auto threshold = [](const Hypothesis& hypothesis) { return hypothesis.function.threshold; };
   const auto& [low, high] = std::ranges::minmax_element(quest.hypotheses(), {}, threshold);
   return {low->function.threshold, high->function.threshold};
 }
 
-/// QUEST+ before the first answer, with the grid over which the answers are summed: the procedure's own, for staircases
-/// the default one. Thresholds that are left open lie closer than those with which stimuli are chosen: the interval of
-/// somebody with a small Weber fraction is narrower than their steps.
+/// Returns QUEST+ before the first response, with the grid of the posterior: the procedure's grid, for staircases the
+/// default one. Default thresholds are on a finer grid than that for choosing stimuli. The interval of a
+/// participant with a small Weber fraction is narrower than the coarse steps.
 std::unique_ptr<QuestPlus> posteriorOf(const StudyBlock& block) {
   const std::vector<double> levels = valuesOf(block);
   QuestPlusOptions options = block.quest_plus;
@@ -64,12 +64,12 @@ std::unique_ptr<QuestPlus> posteriorOf(const StudyBlock& block) {
   return makeQuestPlus(options, levels, block.reference.value);
 }
 
-/// Where the levels of a comparison begin and end, seen from the reference: the nearest and the farthest of the side
-/// on which that is worse.
+/// Range of the levels as seen from the reference: the nearest and the farthest level, each on its less favourable
+/// side.
 struct Reach {
   const Stimulus* nearest = nullptr;
   const Stimulus* farthest = nullptr;
-  double nearest_distance = 0, farthest_distance = std::numeric_limits<double>::infinity();  // on the axis
+  double nearest_distance = 0, farthest_distance = std::numeric_limits<double>::infinity();  // distances on the axis
 };
 
 Reach reachOf(const StudyBlock& block, const PsychometricFunction& function) {
@@ -98,7 +98,7 @@ Reach reachOf(const StudyBlock& block, const PsychometricFunction& function) {
   return reach;
 }
 
-/// What to be careful about with an estimate of a comparison.
+/// Returns a warning about an estimate; empty without one.
 std::string remarkOn(const StudyBlock& block, const PsychometricFunction& function, std::string_view measure) {
   const double sigma = toAxis(function, function.threshold + jndOf(function)) - toAxis(function, function.threshold);
   const double shift = std::abs(toAxis(function, function.threshold) - toAxis(function, block.reference.value));

@@ -16,39 +16,41 @@
 
 namespace haptolith {
 
-/// The procedure of an adaptive block before the first answer. @param seed  procedureSeed().
+/// Returns the procedure of an adaptive block before the first response. @param seed  procedureSeed().
 /// @throws InvalidParameter for a block with constant stimuli.
 [[nodiscard]] std::unique_ptr<AdaptiveProcedure> procedureOf(const StudyBlock& block, std::uint64_t seed);
 
-/// What an adaptive block tells of one participant: medians and 95 % intervals of a posterior. With QUEST+ it is the
-/// procedure's own, over thresholds that lie closer; with staircases it is that of all their answers with QUEST+'s
-/// defaults, for the mean of the reversals is shifted by coarse levels and by the ends of the ladder
+/// Estimates for one participant in an adaptive block: medians and 95 % intervals of a posterior. For QUEST+ it is the
+/// procedure's posterior on a finer grid of thresholds. For staircases it is the posterior of all responses with
+/// QUEST+'s defaults. The mean of the reversals is not used, because coarse levels and the ends of the ladder bias it
 /// (docs/reports/psychometric-coverage.md has both).
 struct AdaptiveResult {
-  int trials = 0;         ///< answers that count
-  bool finished = false;  ///< the procedure has ended; otherwise this is so far
+  int trials = 0;         ///< responses that count
+  bool finished = false;  ///< whether the procedure has ended; otherwise the estimates are preliminary
   Estimate threshold = {};
-  std::optional<Estimate> width = {};           ///< see PsychometricFunction; none of staircases that look for equality
+  std::optional<Estimate> width = {};           ///< see PsychometricFunction; none for staircases that target equality
   std::optional<Estimate> jnd = {};             ///< x84 - x50 at the threshold's median
   std::optional<Estimate> weber_fraction = {};  ///< x84/x50 - 1, on a logarithmic axis
-  std::optional<AdaptiveEstimate> reversals = {};  ///< of staircases: the mean of their reversals
-  std::string remark = {};                         ///< that the estimate lies where the levels end; empty: it does not
+  std::optional<AdaptiveEstimate> reversals = {};  ///< staircases: mean of the reversals
+  std::string remark = {};                         ///< warning that the estimate is at the end of the levels, or empty
 };
 
-/// @param answers  to main trials, in their order, each with n = 1.
-/// @return none before the first answer.
-/// @throws InvalidParameter as procedureOf(), and for an answer to what is no level of the block.
+/// Estimates from the responses of one participant.
+/// @param answers  responses in main trials, in their order, each with n = 1.
+/// @return none before the first response.
+/// @throws InvalidParameter as procedureOf(), and for a response at a value that is not a level of the block.
 [[nodiscard]] std::optional<AdaptiveResult> adaptiveResult(const StudyBlock& block, std::uint64_t seed,
                                                            std::span<const Level> answers);
 
-/// The result of one participant in one adaptive block.
+/// Result of one participant in one adaptive block.
 struct AdaptiveResultOf {
   std::int64_t participant = 0;  ///< ParticipantRow::id
-  std::size_t block = 0;         ///< of the protocol's blocks
+  std::size_t block = 0;         ///< index in the protocol's blocks
   AdaptiveResult result = {};
 };
 
-/// All there are, by participant and block. @param trials  the study's.
+/// Returns the results of all participants in all adaptive blocks, by participant and block. @param trials  all trials
+/// of the study.
 [[nodiscard]] std::vector<AdaptiveResultOf> adaptiveResults(const StudyStore& study, std::span<const TrialRow> trials);
 
 }  // namespace haptolith

@@ -14,8 +14,8 @@ bool isAnswered(const TrialRow& trial) {
   return trial.state == TrialState::kAnswered && trial.answer && !trial.answer->timed_out;
 }
 
-/// Whether all levels lie on one side of the reference, and the question has an answer for each interval: then two
-/// equal stimuli are answered either way equally often, while no level shows where the curve has its middle.
+/// Whether the curve's midpoint is set to the reference: all levels are on one side of it, and the task is
+/// two-interval. Equal stimuli then get both responses equally often, and no level determines the midpoint.
 bool hasItsMiddleAtTheReference(const StudyBlock& block) {
   const double reference = block.reference.value;
   return block.task == TaskKind::kTwoInterval &&

@@ -13,23 +13,23 @@
 
 namespace haptolith {
 
-/// Whether a trial is a point of a curve: a main one that compares, answered in time and not repeated.
+/// Whether a trial contributes to a curve: a main trial with a comparison, answered in time and not repeated.
 [[nodiscard]] bool counts(const TrialRow& trial);
 
-/// How often the tests of a block were said to have more, by their values, the smallest first.
-/// @param block        of the protocol's blocks.
-/// @param participant  whose (ParticipantRow::id); none: everybody's together.
+/// Counts the positive responses in a block by the value of the test, in ascending order.
+/// @param block        index in the protocol's blocks.
+/// @param participant  ParticipantRow::id; none: all participants together.
 [[nodiscard]] std::vector<Level> levelsOf(std::span<const TrialRow> trials, std::size_t block,
                                           std::optional<std::int64_t> participant = std::nullopt);
 
-/// Share of the catch trials of a block that were answered right; none when there was none.
+/// Returns the fraction of correct responses in the catch trials of a block; none without catch trials.
 [[nodiscard]] std::optional<double> caught(std::span<const TrialRow> trials, std::size_t block,
                                            std::optional<std::int64_t> participant = std::nullopt);
 
-/// How one person's answers in a block are fitted unless somebody wants it otherwise: (paper 22) without lapses, with
-/// Weber fraction and point of subjective equality free; this is the reference in a two-interval block whose levels all
-/// lie on one side of it. A block with values at or below zero has no Weber fraction:
-/// its curve is a cumulative Gaussian over a linear axis.
+/// Returns the default fit for one participant's responses in a block: eq. (22) of icra2021 without lapses, with free
+/// Weber fraction and point of subjective equality (PSE). The PSE is fixed at the reference in a two-interval block
+/// with all levels on one side of it. A block with values at or below zero has no Weber fraction: its curve is a
+/// cumulative Gaussian over a linear axis.
 [[nodiscard]] FitOptions fitOptionsOf(const StudyBlock& block);
 
 }  // namespace haptolith

@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::size_t kMostColumns = 4;
 constexpr int kPanelWidth_px = 340, kPanelHeight_px = 340, kTitle_px = 60;
-constexpr double kBesideTheBars = 0.12;  // of a block's width, where people stand
+constexpr double kBesideTheBars = 0.12;  // offset of the participants' points, fraction of a block's width
 
-/// Of which measure a panel is: blocks may differ in what their forms ask.
+/// Measure shown in a panel; blocks may differ in the items of their forms.
 struct TaskPanel {
   std::string name, unit;
 };
@@ -39,7 +39,7 @@ const TeleopMeasure* measureIn(const TeleopBlockResult& result, const TaskPanel&
   return found == result.measures.end() ? nullptr : &*found;
 }
 
-/// Names and delays of the blocks instead of numbers.
+/// Returns tick labels with names and delays of the blocks.
 std::string ticsOf(const StudyProtocol& protocol, const std::vector<TeleopBlockResult>& results) {
   std::string tics;
   for (std::size_t i = 0; i < results.size(); ++i) {

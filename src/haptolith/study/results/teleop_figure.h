@@ -9,8 +9,9 @@
 
 namespace haptolith {
 
-/// A panel for each measure of work for a robot, over the blocks: every person's mean, joined from block to block, and
-/// the mean over people with its interval. @param results  some, of this protocol. @throws as Figure.
+/// Draws a panel for each measure of the robot's task, over the blocks: the mean of each participant, joined from block
+/// to block, and the mean over participants with its interval. @param results  results of this protocol, not empty.
+/// @throws as Figure.
 void drawTeleopFigure(const OutputFile& path, const StudyProtocol& protocol,
                       const std::vector<TeleopBlockResult>& results, double confidence, std::string_view title);
 

@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-/// A number of trials, and what to call it.
+/// Quantity of a trial, and its name.
 struct OfTrials {
   const char* name;
   const char* unit;
@@ -30,7 +30,7 @@ constexpr std::array kOfTrials{
     OfTrials{"stops", "a trial", &TeleopSummary::stops},
 };
 
-/// Mean over each person's trials of those that have the number.
+/// Computes the mean of a quantity over each participant's trials that have it.
 TeleopMeasure measureOf(const OfTrials& number, std::span<const TrialRow> trials, std::size_t block,
                         const std::set<std::int64_t>& people) {
   TeleopMeasure measure{.name = number.name, .unit = number.unit};

@@ -7,11 +7,11 @@
 
 namespace haptolith {
 
-/// Sums up, tick by tick, what a hand did and felt.
+/// Accumulates movement of a hand and force on it, tick by tick.
 class TickSummary {
  public:
   void add(const TickRecord& tick) noexcept;
-  /// NaN for what no tick has told.
+  /// Returns the summary; values without data are NaN.
   [[nodiscard]] TrialSummary summary() const noexcept;
 
  private:

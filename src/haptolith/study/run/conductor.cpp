@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kFeedback_s = 1.5;
 
-/// A device's button that is pressed a moment late does not end what has just begun; pages have a guard of their own.
+/// Minimum duration of an interval, so that a late press of a device's button does not end the next phase. Pages have a
+/// separate guard.
 constexpr double kShortestInterval_s = 0.3;
 
 [[noreturn]] void refuse(const char* asked, std::string_view when, std::string_view valid) {
@@ -30,7 +31,7 @@ constexpr double kShortestInterval_s = 0.3;
 Conductor::Conductor(StudyStore& store, Rig& rig, ConductorOptions options)
     : store_(store), rig_(rig), options_(std::move(options)) {}
 
-// --- a participant comes
+// --- beginning and resuming a participant
 
 void Conductor::begin(std::string_view code) {
   start(store_.addParticipant(code));
@@ -75,7 +76,7 @@ void Conductor::start(ParticipantRow participant) {
   guarded([this] { enterStep(); });
 }
 
-/// What a participant goes through; of somebody whose group is not decided yet, what comes before that.
+/// Plans the steps of a participant; without a group, the steps before the assignment.
 void Conductor::planSteps() {
   const StudyProtocol& protocol = store_.protocol();
   const std::optional<Assignment>& assignment = participant_->assignment;
@@ -90,7 +91,7 @@ void Conductor::planSteps() {
   steps_ = stepsOf(protocol, sequence_);
 }
 
-/// Decides the group as soon as consent is given and all that decides it is known, when `step` is what comes then.
+/// Assigns the group before `step` if all steps that it depends on (consent, demographics with strata) are done.
 void Conductor::assignBefore(std::size_t step) {
   const StudyProtocol& protocol = store_.protocol();
   const auto decides = [&protocol](const StudyStep& of) {
@@ -186,7 +187,7 @@ void Conductor::poll() {
   });
 }
 
-/// How long the hand rests before the interval that is prepared, in s.
+/// Returns the pause of the hand before the prepared interval, in s.
 double Conductor::restTime() const {
   return trial_->interval == 2 ? block().between_intervals_s : block().between_trials_s;
 }
@@ -203,14 +204,14 @@ std::optional<double> Conductor::remaining() const {
   return limit_s > 0 ? std::optional(std::max(0.0, limit_s - elapsed())) : std::nullopt;
 }
 
-/// Does what may fail; when it does, the study pauses and says why.
+/// Runs `work`; on failure pauses the study and reports the reason.
 template <class Work>
 void Conductor::guarded(Work work) {
   try {
     work();
   } catch (const InvalidParameter& error) {
     halt(error.what());
-  } catch (const std::runtime_error& error) {  // a Failure, or that there is no thread for a bed or a recording
+  } catch (const std::runtime_error& error) {  // a Failure, or no thread for a bed or a recording
     halt(error.what());
   } catch (const std::bad_alloc& error) {
     halt(error.what());
@@ -224,7 +225,7 @@ void Conductor::halt(std::string_view problem) {
   rig_.pause();
 }
 
-// --- what a participant does
+// --- actions of a participant
 
 void Conductor::proceed() {
   if (paused_) {
@@ -252,9 +253,9 @@ void Conductor::fill(const std::map<std::string, std::string>& values) {
   if (paused_ || phase_ != StudyPhase::kForm) {
     refuse("fill", "now", "asked for when there is a form");
   }
-  // The store and its exports know a form by its block, wherever that stands in this participant's order.
+  // The store and its exports identify a form by its block, independent of its position in this participant's order.
   const std::string& form = step().of_block ? block().name : step().name;
-  store_.setAnswers(participant_->id, form, *step().form, values);  // throws for what is wrong in it
+  store_.setAnswers(participant_->id, form, *step().form, values);  // throws for invalid values
   guarded([this] { finishStep(); });
 }
 
@@ -294,7 +295,7 @@ void Conductor::withdraw() {
   });
 }
 
-// --- what an experimenter does
+// --- actions of an experimenter
 
 void Conductor::pause() {
   if (!participant_ || paused_ || over()) {
@@ -397,7 +398,7 @@ void Conductor::stop() {
   enter(StudyPhase::kWaiting);
 }
 
-// --- what is the case
+// --- state
 
 StudyState Conductor::state() const {
   if (stopped_) {

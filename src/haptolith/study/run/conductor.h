@@ -21,7 +21,7 @@
 
 namespace haptolith {
 
-/// A trial as the experimenter sees it.
+/// Trial as shown to the experimenter.
 struct ShownTrial {
   TrialKind kind = TrialKind::kMain;
   const StudyBlock* block = nullptr;
@@ -29,54 +29,53 @@ struct ShownTrial {
   bool test_first = false;
 };
 
-/// The state of the study now, for the pages that show it.
+/// Current state of the study, for the pages.
 struct StudyState {
   StudyPhase phase = StudyPhase::kWaiting;
   bool paused = false;
   std::string participant = {};
-  std::string group = {};  ///< which the participant is never told; empty: none, or not decided yet
+  std::string group = {};  ///< never shown to the participant; empty: no group, or not assigned yet
   std::string title = {}, text = {};
-  std::string button = {};  ///< what goes on says; empty: it cannot be gone on now
+  std::string button = {};  ///< label of the button to continue; empty: continuing is not possible now
   const std::vector<FormItem>* form = nullptr;
-  const StudyBlock* block = nullptr;     ///< that is under way; none between blocks
-  std::size_t position = 0, blocks = 0;  ///< of the block in the participant's order
-  int trial = 0, trials = 0;             ///< from 1; trials 0: the answers decide how many
-  int interval = 0;                      ///< 1 or 2 while a stimulus is prepared or felt, else 0
-  int soil = 0, soils = 0;               ///< before a block's first trial: which of how many is prepared; else 0
+  const StudyBlock* block = nullptr;     ///< current block; null between blocks
+  std::size_t position = 0, blocks = 0;  ///< position of the block in the participant's order; number of blocks
+  int trial = 0, trials = 0;             ///< counted from 1; trials 0: the number depends on the responses
+  int interval = 0;                      ///< 1 or 2 while a stimulus is prepared or presented, else 0
+  int soil = 0, soils = 0;               ///< before a block's first trial: number and count of prepared soils; else 0
   std::optional<double> remaining_s = {};
-  std::optional<bool> right = {};  ///< feedback; of work for a robot, whether it was done in time
-  std::string work = {};           ///< how much of it is seen to be done; empty: there is none
+  std::optional<bool> right = {};  ///< feedback; for a robot's task, whether it was done in time
+  std::string work = {};           ///< observed progress of the robot's task; empty: no task
   std::optional<ShownTrial> now = {}, next = {};
   std::string problem = {};
 };
 
 struct ConductorOptions {
-  std::function<double()> now_s;          ///< a clock that only goes forward
-  std::filesystem::path recordings = {};  ///< a folder; each trial is recorded into it when the protocol wants it
+  std::function<double()> now_s;          ///< monotonic clock
+  std::filesystem::path recordings = {};  ///< folder for the recordings of trials, if the protocol enables recording
 };
 
-/// Leads one participant through a study, step by step: consent, forms, blocks of trials, breaks. Every step that is
-/// done is in the store before the next begins, so that a participant who comes back after a crash continues at the
-/// trial that was cut off. All calls from one thread; none waits. What a participant or an experimenter asks for and
-/// may not have throws InvalidParameter with the reason. When the store or the rig fails, the study pauses with a
-/// problem(), keeps what has not been written yet, and tries again on resume().
+/// Leads one participant through a study, step by step: consent, forms, blocks of trials, breaks. Each finished step is
+/// stored before the next begins, so that after a crash a participant continues at the interrupted trial. All calls
+/// from one thread; none blocks. A request that is not allowed at present throws InvalidParameter with the reason. If
+/// the store or the rig fails, the study pauses with a problem(), keeps unwritten data, and retries on resume().
 class Conductor {
  public:
   Conductor(StudyStore& store, Rig& rig, ConductorOptions options);
 
-  /// A new participant; an empty code is the next that is free. @throws InvalidParameter for a code that is taken.
+  /// Begins a new participant; an empty code selects the next free one. @throws InvalidParameter for a code in use.
   void begin(std::string_view code);
-  /// One who has not finished goes on where they were. @throws InvalidParameter when there is none with that code; an
-  /// empty one is the participant who began last.
+  /// Resumes an unfinished participant; an empty code selects the one who began last. @throws InvalidParameter if there
+  /// is no unfinished participant with this code.
   void resumeParticipant(std::string_view code);
 
-  /// Moves on what time, the rig and the device's buttons decide: call it a hundred times a second.
+  /// Advances the study according to time, rig and the device's buttons. To be called at about 100 Hz.
   void poll();
 
   [[nodiscard]] StudyState state() const;
-  /// Trials of this participant, in the order in which they began.
+  /// Returns the trials of this participant, in the order of their beginnings.
   [[nodiscard]] const std::vector<TrialRow>& trials() const noexcept { return rows_; }
-  /// At a question: what was done and felt in the two intervals.
+  /// Returns the summaries of the two intervals; valid at a question.
   [[nodiscard]] std::array<TrialSummary, 2> summaries() const {
     return trial_ ? trial_->summaries : std::array<TrialSummary, 2>{};
   }
@@ -85,32 +84,32 @@ class Conductor {
   [[nodiscard]] bool over() const noexcept {
     return phase_ == StudyPhase::kFinished || phase_ == StudyPhase::kWithdrawn;
   }
-  /// Whether stop() has ended the participant's day.
+  /// Whether stop() has ended the participant's session.
   [[nodiscard]] bool stopped() const noexcept { return stopped_.has_value(); }
-  /// Counts up whenever state() changes, other than the time that remains.
+  /// Returns a counter that increases with every change of state(), except of the remaining time.
   [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
 
-  // --- what a participant does
+  // --- actions of a participant
 
-  void proceed();  ///< agrees, has read, has felt enough, comes back from a break
-  void fill(const std::map<std::string, std::string>& values);  ///< the form that is shown
-  void answer(int choice);                                      ///< 0 or 1, as the block's answers stand
+  void proceed();  ///< continues: after consent, instructions, an interval or a break
+  void fill(const std::map<std::string, std::string>& values);  ///< answers the current form
+  void answer(int choice);                                      ///< 0 or 1, index of the block's answers
   void withdraw();
 
-  // --- what an experimenter does
+  // --- actions of an experimenter
 
   void pause();
   void resume();
-  /// Which trial is done once more: the one under way, or else the one answered last; or that one whatever is under
-  /// way, which is then done again, too.
+  /// Trial to be repeated. kNow: the current one, or else the last answered one. kLast: the last answered one; a
+  /// current trial is then also repeated.
   enum class Again { kNow, kLast };
-  /// Within its block. @param reason  not empty.
+  /// Repeats a trial of the current block. @param reason  not empty.
   void repeat(Again which, std::string_view reason);
   void note(std::string_view text);
-  /// The same for what the program has noticed.
+  /// Adds a note by the program.
   void remark(std::string_view text);
-  /// Ends here for today: the trial under way is done again when the participant comes back. state() then reports how
-  /// far they came.
+  /// Ends the participant's session. The current trial is repeated when the participant resumes; state() then reports
+  /// the progress.
   void stop();
 
  private:
@@ -173,21 +172,21 @@ class Conductor {
   ConductorOptions options_;
 
   std::optional<ParticipantRow> participant_;
-  std::optional<StudyState> stopped_;  ///< how far the participant came until stop()
+  std::optional<StudyState> stopped_;  ///< progress at stop()
   std::vector<PlannedBlock> sequence_;
   std::vector<StudyStep> steps_;
   std::size_t step_ = 0;
   std::vector<TrialRow> rows_;
 
   StudyPhase phase_ = StudyPhase::kWaiting;
-  double since_s_ = 0;  ///< when this phase began
+  double since_s_ = 0;  ///< time at which this phase began
   bool paused_ = false;
   std::optional<Trial> trial_;
   std::optional<Unsaved> unsaved_;
   std::optional<bool> right_;
-  int since_break_ = 0;                  ///< trials
-  std::optional<std::size_t> soil_;      ///< of stimuli(), that is being prepared
-  std::optional<std::size_t> prepared_;  ///< place of the block whose soils are ready
+  int since_break_ = 0;                  ///< trials since the last break
+  std::optional<std::size_t> soil_;      ///< index in stimuli() of the soil being prepared
+  std::optional<std::size_t> prepared_;  ///< position of the block whose soils are ready
   ButtonAnswer buttons_;
   std::string problem_;
   std::uint64_t changes_ = 0;

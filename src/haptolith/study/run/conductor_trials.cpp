@@ -1,4 +1,4 @@
-// The trials of a block: its soils, which trial is next, and the course of one.
+// Trials of a block: preparation of soils, selection of the next trial, and the course of a trial.
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ std::size_t levelOf(const StudyBlock& block, double value) {
 
 // --- soils
 
-/// All that this block may show, each once.
+/// Returns all stimuli of this block, each once.
 std::vector<const Stimulus*> Conductor::stimuli() const {
   std::vector<const Stimulus*> all{&block().reference};
   for (const std::vector<Stimulus>* levels : {&block().levels, &block().practice_levels, &block().catch_levels}) {
@@ -40,7 +40,7 @@ std::vector<const Stimulus*> Conductor::stimuli() const {
   return all;
 }
 
-/// Every bed of a block lies ready before its first trial, so that no pause tells which soil comes.
+/// Prepares every bed of a block before its first trial, so that the length of a pause gives no cue about the soil.
 void Conductor::prepareSoils() {
   soil_.reset();
   if (prepared_ == step().position) {
@@ -52,7 +52,7 @@ void Conductor::prepareSoils() {
   prepareNextSoils();
 }
 
-/// As many of them as are there already.
+/// Requests the next soils, until one is not ready yet.
 void Conductor::prepareNextSoils() {
   const std::vector<const Stimulus*> all = stimuli();
   while (rig_.ready()) {
@@ -67,7 +67,7 @@ void Conductor::prepareNextSoils() {
 
 // --- trials
 
-/// Answered trials of the block under way, in their order.
+/// Returns the answered trials of the current block, in their order.
 std::vector<const TrialRow*> Conductor::answered() const {
   std::vector<const TrialRow*> done;
   for (const TrialRow& row : rows_) {
@@ -82,7 +82,7 @@ BlockScores Conductor::scores() const {
   return scoresOf(store_.protocol(), rows_, sequence_[step().position].block, participant_->id);
 }
 
-/// How many trials the block has when no other round of practice is needed.
+/// Returns the number of trials of the block if no further round of practice is needed.
 int Conductor::plannedTrials() const {
   const int of_a_round = block().practice_trials;
   const BlockScores now = scores();
@@ -91,12 +91,12 @@ int Conductor::plannedTrials() const {
   return static_cast<int>(sequence_[step().position].trials.size()) - block().practice_rounds * of_a_round + practice;
 }
 
-/// What the answers so far leave to do in this block; nothing when it is done.
+/// Returns the next trial of this block; none if it is complete.
 std::optional<Conductor::Trial> Conductor::nextTrial() const {
   return block().procedure == ProcedureKind::kConstant ? plannedTrial(-1) : nextAdaptive();
 }
 
-/// The first trial of a list made beforehand that has no answer yet, other than the one with the index `but`.
+/// Returns the first unanswered trial of the predefined list, except the one with index `but`.
 std::optional<Conductor::Trial> Conductor::plannedTrial(int but) const {
   const std::vector<const TrialRow*> done = answered();
   const std::vector<PlannedTrial>& planned = sequence_[step().position].trials;
@@ -112,7 +112,7 @@ std::optional<Conductor::Trial> Conductor::plannedTrial(int but) const {
   return std::nullopt;
 }
 
-/// The one after the trial under way, as far as that does not depend on answers to come.
+/// Returns the trial after the current one; none if it depends on responses that are not given yet.
 std::optional<Conductor::Trial> Conductor::upcoming() const {
   if (trial_ && !underWay()) {
     return trial_;
@@ -173,7 +173,7 @@ void Conductor::goToNextTrial() {
 }
 
 void Conductor::beginTrial() {
-  enter(StudyPhase::kPreparing);  // whatever fails now, it is a trial that is begun again
+  enter(StudyPhase::kPreparing);  // after a failure, the trial is begun again
   const StudyBlock& now = block();
   const Stimulus& test = testOf(now, trial_->plan);
   const auto same = [this](const TrialRow& row) {
@@ -206,7 +206,7 @@ std::filesystem::path Conductor::recordingFile(std::string_view trial, int inter
   return options_.recordings / fmt::format("{}-{}.h5", trial, interval == 1 ? "first" : "second");
 }
 
-/// `name`, or "name-2" and so on where there are recordings of that name: none is ever replaced.
+/// Returns `name`, or "name-2" and so on if such recordings exist, because recordings are never overwritten.
 std::string Conductor::freeRecordingName(const std::string& name) const {
   const auto taken = [this](std::string_view trial) {
     return std::filesystem::exists(recordingFile(trial, 1)) || std::filesystem::exists(recordingFile(trial, 2));
@@ -234,7 +234,7 @@ void Conductor::endInterval() {
   trial_->summaries[static_cast<std::size_t>(trial_->interval - 1)] = rig_.rest();
   stopRecording();
   if (block().teleop) {
-    enter(StudyPhase::kQuestion);  // that nobody is asked: the answer waits there when it cannot be written
+    enter(StudyPhase::kQuestion);  // not shown: the result waits in this phase until it is written
     TrialAnswer given{
         .reaction_s = std::numeric_limits<double>::quiet_NaN(), .summaries = trial_->summaries, .teleop = work};
     unsaved_ = Unsaved{trial_->id, given, trial_->plan.kind == TrialKind::kPractice};
@@ -251,14 +251,14 @@ void Conductor::stopRecording() {
     trial_->recording_runs = false;
     try {
       rig_.stopRecording();
-    } catch (const Failure& failure) {  // the answer counts for more
+    } catch (const Failure& failure) {  // saving the response is more important
       problem_ = fmt::format("the recording of this trial is not whole: {}", failure.what());
       store_.addNote(participant_->id, problem_, "problem");
     }
   }
 }
 
-/// Ends the trial under way without an answer: it is done again.
+/// Ends the current trial without a response; it is repeated.
 void Conductor::dropTrial(TrialState state, std::string_view reason) {
   if (!underWay() || !isTrialPhase(phase_)) {
     return;
@@ -272,12 +272,12 @@ void Conductor::dropTrial(TrialState state, std::string_view reason) {
   readRows();
 }
 
-/// Writes the answer that waits, if one does. When this throws, nothing has been written and it waits on.
+/// Writes the pending response, if there is one. If this throws, nothing has been written and it remains pending.
 void Conductor::saveWhatWaits() {
   if (unsaved_) {
     store_.answerTrial(unsaved_->id, unsaved_->answer);
     unsaved_.reset();
-    trial_.reset();  // it is no longer under way, whatever fails now
+    trial_.reset();  // no current trial, even if the next call fails
   }
 }
 

@@ -9,7 +9,7 @@ namespace haptolith {
 
 namespace {
 
-/// Shares of a gripper's opening: between them it is as it was.
+/// Fractions of a gripper's opening; between the two the state is unchanged (hysteresis).
 constexpr double kSqueezed = 0.3;
 constexpr double kOpen = 0.5;
 

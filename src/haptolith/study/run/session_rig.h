@@ -9,26 +9,26 @@
 
 namespace haptolith {
 
-/// A study on a session that runs: a person at a device, or the virtual hand for a participant in a browser.
+/// Rig on a running session: a person at a device, or the virtual hand for a participant in a browser.
 class SessionRig final : public Rig {
  public:
-  /// Who writes recordings; without functions nothing is.
+  /// Functions that write recordings; empty: no recordings.
   struct Recorder {
     std::function<void(const std::filesystem::path&)> start;
     std::function<void()> stop;
   };
 
-  /// The tool stays out of the soil until feel(). @param session  keeps records, and has been started.
+  /// Keeps the tool out of the soil until feel(). @param session  started, and keeps records.
   SessionRig(Session& session, Recorder recorder);
 
-  /// Everything that the loop has recorded since the last call.
+  /// Adds all records of the loop since the last call.
   void follow(const std::vector<TickRecord>& ticks);
 
-  /// Makes its bed, which the session keeps.
+  /// Makes the stimulus' bed, which the session caches.
   void prepare(const StudyBlock& block, const Stimulus& stimulus) override { show(block, stimulus); }
   void show(const StudyBlock& block, const Stimulus& stimulus) override;
   [[nodiscard]] bool ready() override;
-  /// Where nothing is to be felt, the tool stays out of the soil.
+  /// As in Rig; the tool stays out of the soil in a block without force.
   void feel() override;
   TrialSummary rest() override;
   void pause() override;

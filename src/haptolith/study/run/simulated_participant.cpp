@@ -17,12 +17,12 @@ namespace {
 
 constexpr double kCertain = std::numeric_limits<double>::infinity();
 
-/// Between 0 and 1, both excluded.
+/// Draws a number between 0 and 1, both excluded.
 double share(std::mt19937_64& random) {
   return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53;
 }
 
-/// Something that a form accepts.
+/// Returns a valid answer.
 std::string answerTo(const FormItem& item) {
   switch (item.kind) {
     case FormItem::Kind::kText: return "simulated";
@@ -34,7 +34,7 @@ std::string answerTo(const FormItem& item) {
   return "";
 }
 
-/// Any of the parts that the item's answers make.
+/// Returns an answer in a randomly drawn part (stratum) of the item.
 std::string anyAnswerTo(const FormItem& item, std::mt19937_64& random) {
   const std::vector<std::string> parts = stratumParts(item);
   const std::size_t part = drawn(random, parts.size());
@@ -42,7 +42,7 @@ std::string anyAnswerTo(const FormItem& item, std::mt19937_64& random) {
     return parts[part];
   }
   const bool lowest = part == 0;
-  const double cut = item.cut_points[lowest ? 0 : part - 1];  // belongs to the part above it
+  const double cut = item.cut_points[lowest ? 0 : part - 1];  // the limit belongs to the upper part
   return fmt::format("{}", !lowest ? cut : item.low < item.high ? item.low : cut - 1);
 }
 
@@ -134,7 +134,7 @@ void SimulatedParticipant::step(Conductor& conductor) {
       }
       return;
     case StudyPhase::kQuestion:
-      now_s_ += 1 - now.remaining_s.value_or(1);  // after a second, whatever the limit
+      now_s_ += 1 - now.remaining_s.value_or(1);  // after 1 s, for any limit
       return conductor.answer(choose(conductor, now));
     case StudyPhase::kForm: {
       std::map<std::string, std::string> values;

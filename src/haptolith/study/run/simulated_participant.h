@@ -11,53 +11,53 @@
 
 namespace haptolith {
 
-/// What the codes of simulated participants begin with, and no others.
+/// Prefix of the codes of simulated participants, reserved for them.
 inline constexpr const char* kSimulatedCode = "sim";
 
-/// The scale after a block of work for a robot that a simulated participant answers by the error of force: at 1 less
-/// the error of its length, give or take a tenth of it (normally distributed), within its ends.
+/// Key of the scale after a teleoperation block that a simulated participant answers by the force error e: at 1 - e of
+/// the scale's length, with normally distributed noise (SD 0.1), clamped to its ends.
 inline constexpr const char* kTrustKey = "trust";
 
-/// What a simulated participant judges by.
+/// Quantity by which a simulated participant judges.
 enum class JudgedBy {
-  kValue,      ///< the stimulus' value on the block's axis, as if it were felt directly
-  kMeanForce,  ///< what the hand felt: see TrialSummary
+  kValue,      ///< the stimulus' value on the block's axis, as if sensed directly
+  kMeanForce,  ///< mean force on the hand: see TrialSummary
   kPeakForce,
   kWork,
 };
 
-/// A participant whose answers follow a known psychometric function: that of (paper 22), with lapses.
+/// Simulated participant whose responses follow a known psychometric function: eq. (22) of icra2021, with lapses.
 ///
 ///     P("more") = lapse + (1 - 2 lapse) Phi(ln((1 + bias) x / p) / ln(1 + w))
 ///
-/// Each of the two stimuli is felt with a noise of ln(1 + w) / sqrt(2) in its logarithm.
+/// Each of the two stimuli is sensed with noise of SD ln(1 + w) / sqrt(2) in its logarithm.
 struct ObserverParameters {
   double weber_fraction = 0.29;  ///< w, > 0
-  double bias = 0;               ///< > -1: the test feels like 1 + bias times what it is
-  double lapse = 0;              ///< 0 to 1/2: both asymptotes; twice that are answers given without having felt
-  double learning = 0;           ///< >= 0: w is larger by so much at the first trial; a third of it is left after
-  double learning_trials = 20;   ///< so many trials, > 0
-  double group_factor = 1;       ///< > 0: of w from one of the study's groups to the next in the protocol
+  double bias = 0;               ///< > -1: the test is perceived as 1 + bias times its value
+  double lapse = 0;     ///< 0 to 1/2: distance of the asymptotes from 0 and 1; half the rate of random responses
+  double learning = 0;  ///< >= 0: relative increase of w at the first trial; decays by a factor e
+  double learning_trials = 20;  ///< in this number of trials, > 0
+  double group_factor = 1;      ///< > 0: ratio of w between consecutive groups of the protocol
   JudgedBy judged_by = JudgedBy::kValue;
 };
 
-/// @throws InvalidParameter for what is out of range.
+/// Checks the ranges. @throws InvalidParameter for a value out of range.
 void validate(const ObserverParameters& observer);
 
-/// That observers who judge ratios can take part: by value, every reference and level is above 0.
-/// @throws InvalidParameter with the block, the value and what is valid.
+/// Checks that observers of ratios can judge the study: by value, every reference and level must be above 0.
+/// @throws InvalidParameter with block, value and valid values.
 void requireRatios(const StudyProtocol& protocol, JudgedBy by);
 
-/// A normally distributed number of mean 0 and standard deviation 1; the same on every machine (Box and Muller 1958).
+/// Draws a normally distributed number with mean 0 and SD 1, identical on every machine (Box and Muller 1958).
 [[nodiscard]] double normal(std::mt19937_64& random);
 
-/// Judges pairs of stimuli.
+/// Simulated judgement of pairs of stimuli.
 class SimulatedObserver {
  public:
   SimulatedObserver(const ObserverParameters& observer, std::uint64_t seed);
 
-  /// Whether the test is said to have more than the reference, both > 0.
-  /// @param factor  of w now.
+  /// Judges whether the test has more than the reference, both > 0.
+  /// @param factor  current factor on w.
   [[nodiscard]] bool saysMore(double test, double reference, double factor = 1);
 
  private:
@@ -66,7 +66,7 @@ class SimulatedObserver {
   int trials_ = 0;
 };
 
-/// A rig without a bed, for observers who judge by value: every stimulus is there at once, and nothing is felt.
+/// Rig without a bed, for observers who judge by value: every stimulus is ready immediately, and no force is rendered.
 class RigWithoutBed final : public Rig {
  public:
   void show(const StudyBlock&, const Stimulus&) override {}
@@ -83,10 +83,10 @@ class RigWithoutBed final : public Rig {
   [[nodiscard]] std::string deviceName() const override { return "none"; }
 };
 
-/// Takes part in a study from its first page to its last, as a person would, in no time.
+/// Simulated participant of a study, from the first page to the last, in simulated time.
 class SimulatedParticipant {
  public:
-  /// The study's clock, for ConductorOptions.
+  /// Returns the time of the study's clock, for ConductorOptions.
   [[nodiscard]] double now() const noexcept { return now_s_; }
 
   SimulatedParticipant(const ObserverParameters& observer, std::uint64_t seed)
@@ -96,7 +96,7 @@ class SimulatedParticipant {
         stratum_random_(seedOf({seed, static_cast<std::uint64_t>(Purpose::kGroups)})),
         trust_random_(seedOf({seed, static_cast<std::uint64_t>(Purpose::kTrust)})) {}
 
-  /// Until the study is over for everyone who has begun. @throws Failure when it pauses with a problem;
+  /// Takes part until the study is over for the current participant. @throws Failure if it pauses with a problem;
   /// InvalidParameter for a block whose values an observer of ratios cannot judge.
   void takePart(Conductor& conductor);
 
@@ -108,8 +108,8 @@ class SimulatedParticipant {
   SimulatedObserver observer_;
   JudgedBy by_;
   double group_factor_;
-  std::mt19937_64 stratum_random_;  ///< apart from the observer's, whose answers are the same with and without strata
-  std::mt19937_64 trust_random_;    ///< likewise
+  std::mt19937_64 stratum_random_;  ///< separate, so that the observer's responses do not depend on strata
+  std::mt19937_64 trust_random_;    ///< separate, for the same reason
   double now_s_ = 0;
 };
 

@@ -7,19 +7,19 @@
 
 namespace haptolith {
 
-/// A study without a person, a device or a clock: a virtual hand explores each stimulus by a script, and what it really
-/// felt is all that anybody learns. Nothing is recorded.
+/// Rig without a person, a device or a clock: a virtual hand explores each stimulus by a script. Its movements and
+/// forces are the only information about the stimulus. There are no recordings.
 class SimulatedRig final : public Rig {
  public:
-  /// @param options  of every exploration; the first has its seed, and each one after that the next seed.
+  /// @param options  options of every exploration; the seed increases by 1 for each.
   /// @throws InvalidParameter as exploringHand() and requireReach().
   SimulatedRig(const StudyProtocol& protocol, const ExplorationOptions& options);
 
-  /// Settles the stimulus' bed when it is shown for the first time.
+  /// Settles the stimulus' bed at its first use.
   void show(const StudyBlock& block, const Stimulus& stimulus) override;
   [[nodiscard]] bool ready() override { return true; }
   void feel() override;
-  /// Explores, for as long as that takes. @throws Failure as explore().
+  /// Explores the soil; blocks until that is done. @throws Failure as explore().
   TrialSummary rest() override;
   void pause() override {}
   void resume() override {}
@@ -31,7 +31,7 @@ class SimulatedRig final : public Rig {
   [[nodiscard]] std::string deviceName() const override { return "exploring hand"; }
 
  private:
-  /// A bed that has been settled, and the scene that it lies in.
+  /// Settled bed and its scene.
   struct Shown {
     SceneFile scene;
     LevelBed bed;
@@ -39,8 +39,8 @@ class SimulatedRig final : public Rig {
 
   StudyProtocol protocol_;
   ExplorationOptions next_;
-  std::vector<Shown> shown_;  ///< so far
-  std::size_t now_ = 0;       ///< of shown_
+  std::vector<Shown> shown_;  ///< stimuli used so far
+  std::size_t now_ = 0;       ///< index in shown_
   bool feels_ = false;
 };
 

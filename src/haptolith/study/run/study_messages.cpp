@@ -25,9 +25,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLatest = 100;  ///< answers and notes
+constexpr std::size_t kLatest = 100;  ///< maximum number of answers and notes in a message
 constexpr int kCurvePoints = 61;
-constexpr double kEnoughAnswers = 10;  ///< for a curve
+constexpr double kEnoughAnswers = 10;  ///< minimum number of responses for a curve
 
 const char* wordOf(StudyPhase phase) {
   switch (phase) {
@@ -71,12 +71,12 @@ std::string phaseWord(const StudyState& now) {
   return now.paused ? "paused" : wordOf(now.phase);
 }
 
-/// What takes a while, before a block's first trial.
+/// Describes the progress of the preparation before a block's first trial.
 std::string preparingText(const StudyState& now) {
   return now.soils > 0 && !now.paused ? fmt::format("Preparing soil {} of {}.", now.soil, now.soils) : "";
 }
 
-/// What the page has words of its own for.
+/// Whether the page has a text for this state.
 bool speaksForItself(const StudyState& now) {
   return now.paused || now.phase == StudyPhase::kPreparing || now.phase == StudyPhase::kFeedback ||
          now.phase == StudyPhase::kBreak || now.phase == StudyPhase::kWithdrawn || now.phase == StudyPhase::kStopped;
@@ -92,7 +92,7 @@ std::string titleOf(const StudyState& now, bool asks) {
 
 Json progressJson(const StudyState& now) {
   if (!now.participant.empty() && now.blocks == 0) {
-    return nullptr;  // the group, and with it the blocks, is not decided yet
+    return nullptr;  // group and blocks are not assigned yet
   }
   return {{"block", std::min(now.position + 1, now.blocks)},
           {"blocks", now.blocks},
@@ -131,7 +131,7 @@ Json trialJson(const StudyState& now, const std::optional<ShownTrial>& trial, bo
           {"interval", with_interval && now.interval > 0 ? Json(now.interval) : Json(nullptr)}};
 }
 
-/// How the day ended, and how to resume: for the experimenter.
+/// Describes for the experimenter how the session ended and how to resume.
 std::string endingText(const StudyState& now, const std::filesystem::path& file) {
   if (now.phase == StudyPhase::kFinished) {
     return fmt::format("{} has finished.", now.participant);
@@ -188,7 +188,7 @@ Json answersJson(const std::vector<TrialRow>& rows) {
   return answers;
 }
 
-/// The curve through enough answers: some, to at least two levels, and not all of them alike.
+/// Fits a curve, if there are enough responses, at two levels or more, and not all equal.
 Json curveJson(const StudyBlock& block, const std::vector<Level>& levels, Json& result) {
   const auto all_alike = [&levels](double share) {
     return std::ranges::all_of(levels, [share](const Level& level) { return level.k == share * level.n; });

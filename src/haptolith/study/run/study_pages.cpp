@@ -54,7 +54,7 @@ StudyPages::News StudyPages::news(double force_n) {
   if (changed || history_.empty()) {
     try {
       history_ = historyJson(conductor_);
-    } catch (const Failure& failure) {  // pages may wait; the study goes on
+    } catch (const Failure& failure) {  // pages may wait; the study continues
       news.problem = failure.what();
       history_ = history_.empty() ? R"({"answers": [], "blocks": [], "notes": []})" : history_;
     }

@@ -13,34 +13,34 @@
 
 namespace haptolith {
 
-/// The participant's and the experimenter's pages: what each is told and may do. Knows clients by their numbers, and
-/// nothing of how messages travel.
+/// Pages of the participant and the experimenter: their messages and permissions. Clients are identified by numbers;
+/// the transport of messages is elsewhere.
 class StudyPages {
  public:
-  /// What a client asks of the scene rather than of the study.
+  /// Request of a client to the scene (not to the study).
   enum class Wish { kLook, kHoldTool, kChangeScene };
 
-  /// What there is to send.
+  /// Messages to send.
   struct News {
     std::vector<std::pair<std::uint32_t, std::string>> messages;  ///< client, JSON
-    bool lets_go = false;                                         ///< nobody may hold the tool any more
-    std::string problem;                                          ///< why a page is told old news; empty: it is not
+    bool lets_go = false;                                         ///< whether the tool must be released by its client
+    std::string problem;  ///< reason for an outdated history; empty: it is current
   };
 
   explicit StudyPages(Conductor& conductor) : conductor_(conductor) {}
 
-  /// A client has come, in a role that it can never leave.
+  /// Adds a client, with a role that is never changed.
   void join(std::uint32_t client, StudyRole role) { pages_[client].role = role; }
   void leave(std::uint32_t client) { pages_.erase(client); }
 
   /// @throws InvalidParameter, Failure as handleStudyMessage().
   void handleMessages(std::uint32_t client, std::string_view message);
 
-  /// Why a client may not have its wish; empty when it may. The soil belongs to the study, and the tool to the
-  /// participant while there is something to be felt.
+  /// Returns the reason to refuse a client's request; empty if it is allowed. Only the study changes the soil, and only
+  /// the participant may hold the tool, while a stimulus is presented.
   [[nodiscard]] std::string refusal(std::uint32_t client, Wish wish) const;
 
-  /// What is new for each page; to be called often. @param force_n  that the hand feels now.
+  /// Returns new messages for the pages; to be called often. @param force_n  current force on the hand.
   [[nodiscard]] News news(double force_n);
 
  private:

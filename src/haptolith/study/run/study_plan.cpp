@@ -19,8 +19,8 @@ namespace haptolith {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kConfidence = 0.95;   // of what simulations tell
-constexpr double kCloseEnough = 0.05;  // of the number of participants that is searched
+constexpr double kConfidence = 0.95;   // for intervals from simulations
+constexpr double kCloseEnough = 0.05;  // relative tolerance of the number of participants
 
 void validate(const StudyBlock& block, const std::vector<StudySize>& sizes, const PlanParameters& parameters) {
   if (block.procedure != ProcedureKind::kConstant || !isWeber(fitOptionsOf(block).sigmoid)) {
@@ -63,7 +63,7 @@ Estimate weberFractionOf(const StudyBlock& block, const std::vector<std::vector<
                             : fitGroup(people, groupOptions(options), Effort::kQuick).scale.median;
 }
 
-/// The share of studies for which something holds.
+/// Fraction of studies with a property.
 class Counter {
  public:
   explicit Counter(int studies) : studies_(studies) {}

@@ -15,7 +15,7 @@ namespace haptolith {
 namespace {
 
 constexpr std::size_t kLongestCode = 16;
-constexpr std::size_t kMostDigits = 6;  // far more than a study has participants
+constexpr std::size_t kMostDigits = 6;  // far above the number of participants of a study
 constexpr std::string_view kRemoved = "[removed]";
 
 char lower(char letter) {
@@ -27,7 +27,7 @@ bool isPlain(char letter) {
   return byte < 0x80 && std::isalnum(byte) != 0;
 }
 
-/// Where the code next stands as a word, from `from` on; npos: nowhere.
+/// Returns the position of the next occurrence of the code as a word, from `from` on; npos without one.
 std::size_t findWord(std::string_view text, std::string_view code, std::size_t from) {
   const auto alike = [](char a, char b) { return lower(a) == lower(b); };
   while (from < text.size()) {

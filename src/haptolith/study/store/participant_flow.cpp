@@ -49,7 +49,7 @@ std::vector<GroupFlow> groupFlowsOf(const StudyStore& study) {
     for (int place = 0; place < given[stratum]; ++place) {
       GroupFlow& flow = flows[groupAt(protocol, study.seed(), stratum, static_cast<std::size_t>(place))];
       ++flow.strata[stratum];
-      ++flow.people.removed;  // until somebody is found who has the place
+      ++flow.people.removed;  // decremented below for each participant who has a place
     }
   }
   for (const ParticipantRow& participant : study.participants()) {

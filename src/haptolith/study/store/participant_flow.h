@@ -10,12 +10,12 @@
 
 namespace haptolith {
 
-/// What has become of everybody who began: each of the first five is counted once.
+/// Flow of all participants who began. Each participant is counted once in the first five numbers.
 struct ParticipantFlow {
-  std::size_t removed = 0;  ///< on request; nothing is known of them
+  std::size_t removed = 0;  ///< removed on request, without any remaining data
   std::size_t withdrew = 0, excluded = 0;
-  std::size_t unfinished = 0, finished = 0;         ///< of those who are analysed
-  std::map<std::string, std::size_t> reasons = {};  ///< of exclusions, and for how many each
+  std::size_t unfinished = 0, finished = 0;         ///< participants who are analysed
+  std::map<std::string, std::size_t> reasons = {};  ///< number of exclusions for each reason
 
   [[nodiscard]] std::size_t analysed() const noexcept { return unfinished + finished; }
   [[nodiscard]] std::size_t began() const noexcept { return removed + withdrew + excluded + analysed(); }
@@ -23,22 +23,22 @@ struct ParticipantFlow {
 
 [[nodiscard]] ParticipantFlow flowOf(const StudyStore& study);
 
-/// "12 began, 1 withdrew, 1 excluded (catch trials), 10 analysed". @param came  what is said of all, in place of
+/// Describes a flow: "12 began, 1 withdrew, 1 excluded (catch trials), 10 analysed". @param came  verb instead of
 /// "began".
 [[nodiscard]] std::string flowText(const ParticipantFlow& flow, std::string_view came = "began");
 
-/// What has become of everybody who was assigned to a group.
+/// Flow of the participants of one group.
 struct GroupFlow {
   std::string group = {};
   ParticipantFlow people = {};
-  /// How many were assigned out of each stratum, in the protocol's order; also those who were removed.
+  /// Number of assigned participants per stratum, in the protocol's order, including removed ones.
   std::vector<std::size_t> strata = {};
 };
 
-/// In the protocol's order; none where it has no groups.
+/// Returns the flows in the protocol's order of groups; empty without groups.
 [[nodiscard]] std::vector<GroupFlow> groupFlowsOf(const StudyStore& study);
 
-/// flowText() of the study, and a line for each group.
+/// Returns flowText() of the study, and a line for each group.
 [[nodiscard]] std::string flowsText(const StudyStore& study);
 
 }  // namespace haptolith

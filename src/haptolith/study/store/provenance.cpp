@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-/// What stands after `key` and `separator` in the first line of a file that begins with the key; empty: nothing does.
+/// Returns the text after `key` and `separator` in the first line that begins with the key; empty without such a line.
 std::string valueIn(const std::filesystem::path& file, std::string_view key, char separator) {
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {

@@ -16,7 +16,7 @@ namespace haptolith {
 
 namespace {
 
-/// " (process 1234)", or nothing when the file does not say.
+/// Returns " (process 1234)", or nothing if the file has no number.
 std::string holderOf(int descriptor) {
   std::array<char, 16> text{};
   const ssize_t size = pread(descriptor, text.data(), text.size(), 0);
@@ -46,7 +46,7 @@ RunnerLock::RunnerLock(const std::filesystem::path& study) {
     throw Failure(fmt::format("cannot run {}: cannot lock {}: {}", study.string(), path, std::strerror(why)));
   }
   const std::string process = std::to_string(getpid());
-  // For messages only: nothing depends on whether it could be written.
+  // For messages only; a failed write is ignored.
   [[maybe_unused]] const bool told =
       ftruncate(descriptor_, 0) == 0 && pwrite(descriptor_, process.data(), process.size(), 0) > 0;
 }

@@ -4,11 +4,11 @@
 
 namespace haptolith {
 
-/// Sees to it that one process at a time runs a study: an open-file-description lock on FILE-lock, which the system
-/// frees when the process ends, however that comes. The file stays; it holds the process's number.
+/// Lock that allows one process at a time to run a study: an open-file-description lock on FILE-lock. The system frees
+/// it at any end of the process. The file remains and contains the process's number.
 class RunnerLock {
  public:
-  /// @throws Failure when another one holds it, or when the file cannot be made.
+  /// @throws Failure if another process holds the lock, or if the file cannot be made.
   explicit RunnerLock(const std::filesystem::path& study);
   ~RunnerLock();
   RunnerLock(const RunnerLock&) = delete;

@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestSeed =
-    (std::uint64_t{1} << 53) - 1;  // what JSON and other programs' tables keep exactly
+    (std::uint64_t{1} << 53) - 1;  // JSON and other programs' tables store it exactly
 
 // --- rows
 // -------------------------------------------------------------------------------------------------------------
@@ -63,7 +63,7 @@ constexpr const char* kParticipants =
     "ORDER BY exclusion.id DESC LIMIT 1), ''), group_name, stratum, place, block_row "
     "FROM participant LEFT JOIN assignment ON assignment.participant = participant.id";
 
-/// The largest "number" of all participants, or the largest in a "code", also of those who were removed.
+/// Returns the maximum "number" of all participants, or the maximum in a "code", including removed participants.
 int largestEver(SQLite::Database& database, std::string_view what) {
   return database.execAndGet(fmt::format("SELECT largest_{} FROM study", what)).getInt();
 }
@@ -89,7 +89,7 @@ StudyStore::Implementation::Implementation(const fs::path& path, Access access) 
   }
   if (access == Access::kRun) {
     requireOneName(path);
-    lock.emplace(fs::canonical(path));  // another name of the same file is the same study
+    lock.emplace(fs::canonical(path));  // canonical, because a file with another name is still the same study
   }
   tellWhatIsWrong(file, [&] { openDatabase(access); });
 }
@@ -139,7 +139,7 @@ void StudyStore::create(const fs::path& file, const StudyProtocol& protocol, std
                     "name and an ending",
                     kLongestStudyName_bytes, bytes));
   }
-  // Only the owner may read what people have answered; SQLite's files beside it are made alike.
+  // Only the owner may read the answers; SQLite's companion files get the permissions of this file.
   const fs::path made = temporaryBeside(file, "part", kLongestStudyName_bytes);
   const int descriptor = makeNewFile(made, Readers::kOwner);
   if (descriptor < 0) {

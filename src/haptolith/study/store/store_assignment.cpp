@@ -1,4 +1,5 @@
-// Which group a participant belongs to: a place in the sequence of their stratum, which nobody is given again.
+// Assignment of participants to groups: each participant gets a place in the sequence of their stratum, which is never
+// assigned again.
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
@@ -31,7 +32,7 @@ std::map<std::string, std::string> demographicsOf(SQLite::Database& database, st
   return answers;
 }
 
-/// The next place of a stratum's sequence, which is given with this.
+/// Assigns and returns the next place of a stratum's sequence.
 int takePlace(SQLite::Database& database, std::size_t stratum) {
   execute(database,
           "INSERT INTO allocation (stratum, places) VALUES (?, 1) "

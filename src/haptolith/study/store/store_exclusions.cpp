@@ -1,4 +1,4 @@
-// Whom the analysis leaves out, and why: a log to which rows are only added.
+// Exclusions from the analysis, with reasons: an append-only log.
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr int kBusyTimeout_ms = 2000;  // longer than another program's commit, shorter than a participant's patience
 
-/// For a file that nobody writes, in a folder where nothing can be made.
+/// Returns a URI for a file that is not written by any process, in a read-only folder.
 std::string immutableUri(const fs::path& file) {
   std::string uri = "file:";
   for (const char letter : fs::absolute(file).string()) {
@@ -41,7 +41,7 @@ bool isEmptyOrMissing(const fs::path& file) {
 }  // namespace
 
 SQLite::Database openToRead(const fs::path& file) {
-  // Opened for writing, if that is allowed, so that the last one to close it leaves no -wal and -shm behind.
+  // Opened for writing if permitted, so that the last process to close the file removes -wal and -shm.
   SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
   try {
     database.exec("PRAGMA query_only = ON");

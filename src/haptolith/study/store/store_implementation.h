@@ -18,12 +18,12 @@
 
 namespace haptolith {
 
-/// What the sources of the store share: the file of a study, open.
+/// Open file of a study, common to the sources of the store.
 class StudyStore::Implementation {
  public:
   Implementation(const std::filesystem::path& path, Access access);
 
-  /// All that a call writes is written, or nothing of it.
+  /// Runs `work` in a transaction: either everything is written or nothing.
   template <class Work>
   auto write(Work work) {
     requireRun();
@@ -43,7 +43,7 @@ class StudyStore::Implementation {
     return result;
   }
 
-  /// @throws Failure when it has been opened to be read.
+  /// @throws Failure if the file has been opened with kRead.
   void requireRun() const {
     if (!lock) {
       throw Failure(fmt::format("{} has been opened to be read only", file.string()));
@@ -53,12 +53,12 @@ class StudyStore::Implementation {
   void requireParticipant(std::int64_t id);
 
   // store_removal.cpp:
-  /// Brings every removal that was begun to its end.
+  /// Completes all interrupted removals.
   void finishRemovals();
   void remove(std::int64_t participant, Removed what, std::string_view reason, Recordings recordings);
 
   std::filesystem::path file;
-  std::optional<RunnerLock> lock;  // goes last
+  std::optional<RunnerLock> lock;  // destroyed last
   std::optional<SQLite::Database> database;
   std::string title, protocol_text, created_at;
   std::uint64_t seed = 0;

@@ -1,5 +1,5 @@
-// How a participant is removed. Nobody else has the file open meanwhile. What is to be removed is written down first,
-// so that a removal that is cut off is brought to its end when the study is opened the next time.
+// Removal of participants. No other process has the file open meanwhile. The request is stored first, so that an
+// interrupted removal is completed when the study is opened the next time.
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
@@ -29,14 +29,14 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 2s;  // with a program that only looks for a moment
+constexpr auto kPatience = 2s;  // for a program that reads the file briefly
 constexpr auto kPause = 20ms;
 
-/// Leaves write-ahead logging, which the system allows to nobody but the last one who has the file open: from then on
-/// there is no log, and no reader who needs the deleted rows. Afterwards it is as it was.
+/// Exclusive access without write-ahead log. SQLite permits leaving the write-ahead log only to the single process that
+/// has the file open. There is then no log, and no reader that needs the deleted rows. The destructor restores both.
 class Alone {
  public:
-  /// @param otherwise  what is the case while another program has the file open, for a message.
+  /// @param otherwise  state of the removal while another program has the file open, for a message.
   Alone(SQLite::Database& database, const fs::path& file, std::string_view otherwise) : database_(database) {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (!isAlone()) {
@@ -73,9 +73,9 @@ class Alone {
 
   void goBack() noexcept {
     try {
-      // The lock goes with the next reading.
+      // The lock is released at the next reading.
       database_.exec("PRAGMA locking_mode = NORMAL; SELECT count(*) FROM study; PRAGMA journal_mode = WAL");
-    } catch (const SQLite::Exception&) {  // NOLINT(bugprone-empty-catch): the next one who runs the study does it
+    } catch (const SQLite::Exception&) {  // NOLINT(bugprone-empty-catch): done at the next run of the study
     }
   }
 
@@ -104,12 +104,12 @@ std::vector<std::string> recordedTrials(SQLite::Database& database, std::int64_t
   return names;
 }
 
-/// Somebody whom `removal` has still to remove, or whose personal answers.
+/// Incomplete removal of a participant, or of their personal answers.
 struct Pending {
   std::int64_t id = 0, participant = 0;
   Removed what = Removed::kEverything;
   bool keeps_recordings = false;
-  std::string code = {};  ///< empty: the rows have gone already
+  std::string code = {};  ///< empty: the rows are already deleted
 };
 
 std::vector<Pending> pendingRemovals(SQLite::Database& database) {
@@ -128,7 +128,7 @@ std::vector<Pending> pendingRemovals(SQLite::Database& database) {
   return pending;
 }
 
-/// Takes the code out of what others have written.
+/// Removes the code from notes and reasons of others.
 void dropCode(SQLite::Database& database, std::string_view code) {
   for (const auto& [table, column] :
        {std::pair("note", "text"), std::pair("trial", "reason"), std::pair("exclusion", "reason")}) {
@@ -157,8 +157,8 @@ void removeRows(SQLite::Database& database, const Pending& pending) {
   transaction.commit();
 }
 
-/// Recordings first: they are found by what the rows say. What pages still hold of rows that were
-/// moved goes with VACUUM, which writes the whole file anew.
+/// Completes a removal. Recordings are deleted first, because the rows contain their names. VACUUM rewrites the
+/// complete file, and so removes remains of moved rows from its pages.
 void finish(SQLite::Database& database, const fs::path& study, const Pending& pending) {
   if (!pending.code.empty()) {
     if (pending.what == Removed::kEverything && !pending.keeps_recordings) {

@@ -1,4 +1,4 @@
-// Who agreed to what, and what ran each part of a study.
+// Consents of participants, and sessions of a study.
 
 #include <SQLiteCpp/SQLiteCpp.h>
 

@@ -82,7 +82,7 @@ auto valueIn(const Words& words, std::string_view column, std::string_view word)
   return found->first;
 }
 
-/// The columns of trial, answer, and twice felt, in the order in which trialOf() takes them.
+/// Selects the columns of trial, answer, and twice felt, in the order required by trialOf().
 std::string selectTrials() {
   std::string sql =
       "SELECT trial.id, participant, block, position, trial.trial, attempt, kind, block_name, level, reference, value, "
@@ -105,7 +105,7 @@ std::string selectTrials() {
          " LEFT JOIN teleop ON teleop.trial = answer.trial";
 }
 
-/// The columns of a row, one after the other.
+/// Reader of the columns of a row, one after the other.
 class Columns {
  public:
   explicit Columns(SQLite::Statement& row) : row_(row) {}
@@ -179,7 +179,7 @@ std::vector<TrialRow> trialsOf(SQLite::Statement query) {
   return rows;
 }
 
-/// ", name, name" or ", ?, ?" of all columns.
+/// Returns ", name, name" or ", ?, ?" for all columns.
 template <class ColumnsOf>
 std::string listed(const ColumnsOf& columns, bool as_marks) {
   std::string list;

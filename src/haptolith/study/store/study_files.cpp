@@ -26,7 +26,7 @@ fs::path folderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-/// By name; those before the error, if there is one.
+/// Returns the files of a folder, sorted by name; after an error, those read before it.
 std::vector<fs::path> filesIn(const fs::path& folder, std::error_code& error) {
   std::vector<fs::path> files;
   fs::directory_iterator entry(folder, error);
@@ -37,7 +37,8 @@ std::vector<fs::path> filesIn(const fs::path& folder, std::error_code& error) {
   return files;
 }
 
-/// What was cut off while it was made has a dot before its name, and more after it.
+/// Whether the file is a recording whose name begins with `beginning`. An interrupted recording has a dot before this
+/// name and more characters after it.
 bool isRecording(const fs::path& file, std::string_view beginning) {
   std::string name = file.filename().string();
   name.erase(0, name.starts_with('.') ? 1 : 0);
@@ -52,7 +53,7 @@ bool isRecordingOfTrial(const fs::path& file, std::string_view trial) {
   return isRecording(file, fmt::format("{}-first.", trial)) || isRecording(file, fmt::format("{}-second.", trial));
 }
 
-/// Whether another study than this one puts its recordings into that folder.
+/// Whether another study uses this folder for its recordings.
 bool isShared(const fs::path& folder, const fs::path& study) {
   std::error_code error;
   const std::vector<fs::path> beside = filesIn(folderOf(study), error);

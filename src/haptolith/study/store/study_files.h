@@ -8,26 +8,27 @@
 
 namespace haptolith {
 
-// The files beside a study: the recordings of its trials, and what others have made of it.
+// Files next to a study: recordings of its trials, and files derived from it.
 
-/// Where the recordings of a study's trials go: the folder "friction-recordings" beside friction.study.
+/// Returns the folder for the recordings of a study's trials: "friction-recordings" next to friction.study.
 [[nodiscard]] std::filesystem::path recordingsFolder(const std::filesystem::path& study);
 
-/// The recordings of one participant, also those that were cut off while they were made; by name. They are those of the
-/// trials, and what else there begins with the code, unless another study has its recordings in the same folder: then
-/// that may be somebody else's.
-/// @param trials  the names that the study knows their recordings by (TrialRow::recording).
-/// @throws Failure when the folder cannot be read.
+/// Returns the recordings of one participant, including interrupted ones, sorted by name: those of the trials, and
+/// other recordings in the folder whose names begin with the code. The latter are left out if another study uses the
+/// folder, because they may belong to another participant.
+/// @param trials  names of the recordings in the study (TrialRow::recording).
+/// @throws Failure if the folder cannot be read.
 [[nodiscard]] std::vector<std::filesystem::path> recordingsOf(const std::filesystem::path& study, std::string_view code,
                                                               std::span<const std::string> trials);
 
-/// Deletes files, and sees to it that they stay deleted after a power cut. One that is not there is no error.
+/// Deletes files, durably even after a power cut. A missing file is not an error.
 /// @throws Failure for the first that cannot be deleted.
 void deleteFiles(const std::vector<std::filesystem::path>& files);
 
-/// What else beside the study names a participant: files with the code in their text (an exported table), folders with
-/// a folder of that participant (an exported BIDS folder), and recordings whose names begin with the code. Neither
-/// studies nor recordings nor files above 64 MiB are looked into. What cannot be read is left out.
+/// Returns other files next to the study that name a participant. They are files with the code in their text (an
+/// exported table), folders with a folder of this participant (an exported BIDS folder), and recordings whose names
+/// begin with the code. Contents of studies, recordings and files above 64 MiB are not searched. Unreadable files are
+/// left out.
 [[nodiscard]] std::vector<std::filesystem::path> othersThatName(const std::filesystem::path& study,
                                                                 std::string_view code);
 

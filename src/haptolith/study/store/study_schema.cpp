@@ -223,7 +223,7 @@ CREATE TABLE teleop (
 )sql",
 };
 
-/// What a person can do about an error, by SQLite's code.
+/// Returns the remedy for an error, by SQLite's code.
 std::string_view remedyFor(int code) {
   switch (code) {
     case SQLITE_FULL:

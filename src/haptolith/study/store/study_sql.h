@@ -46,7 +46,7 @@ void bindAt(SQLite::Statement& query, int at, const std::optional<Value>& value)
   }
 }
 
-/// A statement with `values` in the places of its question marks; NaN and nothing become NULL.
+/// Returns a statement with `values` bound to its question marks; NaN and nullopt become NULL.
 template <class... Values>
 [[nodiscard]] SQLite::Statement prepared(SQLite::Database& database, const std::string& sql, const Values&... values) {
   SQLite::Statement query(database, sql);
@@ -55,7 +55,7 @@ template <class... Values>
   return query;
 }
 
-/// How many rows the statement has changed.
+/// Executes a statement. @return number of changed rows.
 template <class... Values>
 int execute(SQLite::Database& database, const std::string& sql, const Values&... values) {
   return prepared(database, sql, values...).exec();
@@ -65,8 +65,8 @@ int execute(SQLite::Database& database, const std::string& sql, const Values&...
   return column.isNull() ? std::nan("") : column.getDouble();
 }
 
-/// Somebody may have changed the file with another program. tellWhatIsWrong() adds the file's name, as to what SQLite
-/// throws.
+/// Throws for a value that haptolith does not write: another program may have changed the file. tellWhatIsWrong() adds
+/// the file's name, as for exceptions of SQLite.
 [[noreturn]] inline void throwForeign(std::string_view column, std::string_view value, std::string_view valid) {
   throw SQLite::Exception(
       fmt::format("it holds what haptolith does not write: {} = {}; must be {}", column, inQuotes(value), valid));

@@ -3,15 +3,15 @@ using Unity.Collections;
 using UnityEngine;
 
 /// <summary>
-/// Draws a bed of soil and a tool, below this object. The scene's own device moves the tool, on a thread of the library's; or the tool
-/// is an object that somebody moves in Unity, and the soil answers once a frame.
+/// Draws a bed of soil and a tool, below this object. The scene's device moves the tool, on a thread of the library. Alternatively
+/// the tool is an object that is moved in Unity, and the soil is stepped once per frame.
 /// </summary>
 public sealed class BedAndTool : MonoBehaviour
 {
-  // Graphics.DrawMeshInstanced takes no more at once.
+  // Maximum number of instances of Graphics.DrawMeshInstanced.
   const int LargestBatch = 1023;
 
-  // A frame that took longer than this makes the soil slow, not the next frame longer.
+  // A longer frame slows the soil down instead of making the next frame longer.
   const int MostTicks = 50;
 
   [Tooltip("A built-in scene, or a scene file.")]
@@ -40,7 +40,7 @@ public sealed class BedAndTool : MonoBehaviour
   float diameter_m_;
   double tick_s_;
 
-  // Everything is made here and given back in OnDisable(), so that nothing is left when the editor reloads its scripts.
+  // Everything is created here and released in OnDisable(), so that nothing remains when the editor reloads its scripts.
   void OnEnable()
   {
     scene_ = Scene.FromFile(SceneName, Overrides);
@@ -91,7 +91,7 @@ public sealed class BedAndTool : MonoBehaviour
     }
   }
 
-  /// <summary>Shows what the loop has come to.</summary>
+  /// <summary>Shows the loop's current state.</summary>
   int Watch()
   {
     LoopSnapshot now = loop_.Poll();
@@ -104,7 +104,7 @@ public sealed class BedAndTool : MonoBehaviour
     return loop_.CopyPositions(positions_m_);
   }
 
-  /// <summary>Moves the tool to where its object is, in as many ticks as the frame took.</summary>
+  /// <summary>Moves the tool to its object's pose, in the number of ticks of the frame's duration.</summary>
   int Dig()
   {
     int ticks = Mathf.Clamp(Mathf.RoundToInt((float)(Time.deltaTime / tick_s_)), 1, MostTicks);
