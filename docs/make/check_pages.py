@@ -6,7 +6,7 @@
 - Each row of docs/explanation/comparison.md that states a feature of haptolith links to a file of this repository.
 - Each number of docs/results.toml is shown as it is there (results.py --check).
 
-A word is what `wc -w` counts: tables and listings count too.
+A word has a letter or a digit. Tables and listings count; their bars and dashes do not.
 """
 
 import re
@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import Iterator
 
-from check_words import DOCS, MAKE, SOURCE, USER_KINDS
+from check_words import DOCS, MAKE, SOURCE, USER_KINDS, words_in
 
 PAGE_WORDS = 1200
 USER_WORDS = 40_000
@@ -35,7 +35,7 @@ def sizes() -> Iterator[str]:
     user = reports = 0
     for page in sorted(DOCS.rglob("*.md")):
         kind = kind_of(page)
-        words = len(page.read_text().split())
+        words = words_in(page.read_text())
         if kind in USER_KINDS:
             user += words
             if words > PAGE_WORDS:

@@ -133,6 +133,11 @@ def added_since(commit: str) -> dict[Path, set[int]]:
     return added
 
 
+def words_in(text: str) -> int:
+    """Words of a page: a bar of a table or a dash is none."""
+    return sum(1 for word in re.sub(r"<!--.*?-->", "", text, flags=re.S).split() if re.search(r"\w", word))
+
+
 def sentences(text: str) -> list[int]:
     """Words of each sentence of a page's paragraphs and lists; tables, headings and code are left out."""
     kept: list[str] = []
@@ -156,7 +161,7 @@ def pages() -> None:
         text = page.read_text()
         kind = page.relative_to(DOCS).parts[0] if DOCS in page.parents else "."
         kind = "." if kind.endswith(".md") else kind
-        words = len(text.split())
+        words = words_in(text)
         sums[kind] = sums.get(kind, 0) + words
         counts = sentences(text)
         mean = statistics.mean(counts) if counts else 0.0
