@@ -109,11 +109,11 @@ TEST_F(MachineFitHere, ChangesTheRadiusInATitleThatNamesIt) {
   scene_file_ = findSceneFile(kAutoScene);
   scene_file_.bed.soil = rescaled(scene_file_.bed.soil, 9.9e-3);
   scene_file_.title = sceneInWords(scene_file_);
-  const FinestGrain finest = fitToMachine(scene_file_, {.threads = 1, .folder = folder_}, stop_);
+  const FinestGrain finest = fitToMachine(scene_file_, {.threads = 1, .folder = folder_, .measuring = {}}, stop_);
   EXPECT_NE(finest.chosen.radius_m, 9.9e-3);
   EXPECT_EQ(scene_file_.title, sceneInWords(scene_file_));
   scene_file_.title = "my soil";
-  (void)fitToMachine(scene_file_, {.threads = 1, .folder = folder_}, stop_);
+  (void)fitToMachine(scene_file_, {.threads = 1, .folder = folder_, .measuring = {}}, stop_);
   EXPECT_EQ(scene_file_.title, "my soil");
 }
 
