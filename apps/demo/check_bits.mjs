@@ -1,10 +1,10 @@
-// Whether the soil in a browser still has its bits, as tests/scene_file/golden_test.cpp asks of the program:
+// Checks that soil in a browser is bit-identical to its reference, as tests/scene_file/golden_test.cpp for the program:
 //
-//     node check_bits.mjs FOLDER            with soil.js and soil.wasm in it
+//     node check_bits.mjs FOLDER            containing soil.js and soil.wasm
 //
-// The hashes are the rows `WebAssembly` of tests/data/reference_hashes.csv; HAPTOLITH_RENEW_HASHES=1 renews them there
-// (./dev hashes). The bits are those of neither AVX nor SSE: WebAssembly has no first guesses of reciprocals, and the C library's sines are
-// others (docs/how-to/share-in-a-browser.md).
+// Reference hashes are the rows `WebAssembly` of tests/data/reference_hashes.csv; HAPTOLITH_RENEW_HASHES=1 updates them
+// (./dev hashes). They differ from those for AVX and SSE, because WebAssembly has no approximate reciprocals and another
+// C library's sines (docs/how-to/share-in-a-browser.md).
 
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -19,7 +19,7 @@ const SCENES = {
 };
 
 const folder = resolve(process.argv[2]);
-if (!existsSync(join(folder, 'soil.wasm'))) process.exit(77); // there is no compiler for it
+if (!existsSync(join(folder, 'soil.wasm'))) process.exit(77); // not compiled on this machine
 const demo = await createRequire(import.meta.url)(join(folder, 'soil.js'))({
   wasmBinary: readFileSync(join(folder, 'soil.wasm')),
   toPage() {},
@@ -42,7 +42,7 @@ for (const [name, [scene, ticks]] of Object.entries(SCENES)) {
     wrong += same ? 0 : 1;
   }
 }
-// Compiled without vectors (cmake -DHAPTOLITH_DEMO_SCALAR=ON) it is to be the program's SCALAR.
+// Compiled without vectors (cmake -DHAPTOLITH_DEMO_SCALAR=ON) it must equal the program's SCALAR.
 const cut = (scene) => demo.ccall('demoOutcome', 'string', ['string', 'number', 'number'], [scene, 2000, 1]);
 const cuts = [cut('[soil]\npreset = "P3"'), cut('[soil]\nname = "lunar-0-15cm"')];
 console.log(`straight cut of P3 and lunar-0-15cm: ${cuts.join(', ')}`);

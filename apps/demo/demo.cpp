@@ -1,5 +1,5 @@
-// Runs a scene in a web worker: the session, the loop and the view are the program's. What the worker calls from
-// JavaScript (web/src/demo/worker.ts) stands at the end; nothing here waits, because the worker has one thread.
+// Runs a scene in a web worker, with the session, loop and view of the program. The functions that the worker calls
+// from JavaScript (web/src/demo/worker.ts) are at the end. No function blocks, because the worker has one thread.
 
 #include <emscripten.h>
 #include <fmt/format.h>
@@ -47,11 +47,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-/// So long the soil may work before the page's messages have their turn.
+/// Max. computing time of the soil before messages of the page are processed.
 constexpr auto kLongestTurn = 12ms;
-/// Time that a slow machine, or one that was asleep, is behind is lost: the soil then moves in slow motion.
+/// Max. delay that is caught up. A slow or suspended machine skips the rest, so the soil moves in slow motion.
 constexpr double kMostBehind_s = 0.03;
-/// A bed is made with nothing else going on; before that the page is told.
+/// Delay before a bed is created, so that the page can show it. Bed creation blocks the worker.
 constexpr auto kBeforeMaking = 300ms;
 
 class Demo {
@@ -65,10 +65,10 @@ class Demo {
                  }),
         view_(session_, {.takes_uploads = true}, HAPTOLITH_VERSION, {}) {}
 
-  /// What makes the scene as it is wanted now of the one that has a name: see overridesOf().
+  /// Returns the changes of the current scene from the named one: see overridesOf().
   [[nodiscard]] std::string changes() const;
 
-  /// Brings the soil up to now, and the page too. @return whether the scene goes on.
+  /// Advances the soil to the current time, and updates the page. @return whether the scene continues.
   bool turn(double now_s) {
     const double before_s = std::exchange(last_s_, now_s);
     const double passed_s = before_s < 0 ? 0 : now_s - before_s;
@@ -85,7 +85,7 @@ class Demo {
 
  private:
   static SceneFile unpaced(SceneFile scene_file) {
-    scene_file.loop.paced = false;  // by the worker instead
+    scene_file.loop.paced = false;  // the worker paces it
     scene_file.bed.threads = 1;
     return scene_file;
   }
@@ -103,7 +103,7 @@ class Demo {
     }
   }
 
-  /// Whether the page knows by now that a bed is made.
+  /// Whether the page had time to show that a bed is being created.
   bool mayMake() {
     const Clock::time_point now = Clock::now();
     if (session_.busy().empty()) {
@@ -117,14 +117,14 @@ class Demo {
   LiveView view_;
   LoopEnd end_ = LoopEnd::kRunning;
   double behind_s_ = 0;
-  double last_s_ = -1;  ///< when turn() was called last; none yet
+  double last_s_ = -1;  ///< time of the last turn(); negative: none yet
   Clock::time_point idle_at_;
 };
 
 std::unique_ptr<Demo> demo;
 std::string told;
 
-/// The same as the golden test's of the program: each force that the hand was given, and the soil at the end.
+/// Returns the hash of the program's golden test: each force on the hand, and the final soil.
 std::string outcomeOf(SceneFile scene_file, int ticks) {
   scene_file.loop.paced = false;
   Scene scene(scene_file.bed, scene_file.tool);
@@ -153,8 +153,8 @@ std::string outcomeOf(SceneFile scene_file, int ticks) {
   return fmt::format("0x{:x} {:.1f}", hash, 1e6 * took_s / ticks);
 }
 
-/// The soil in each tick of a cut whose way asks nothing of the C library, so that it is the same on every machine, as
-/// tests/scene_file/golden_test.cpp has it.
+/// Returns the hash of the soil in each tick of a cut along a path without functions of the C library, so that it is
+/// equal on every machine, as in tests/scene_file/golden_test.cpp.
 std::string outcomeOfCut(const SceneFile& scene_file, int ticks) {
   Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
@@ -176,7 +176,7 @@ std::string outcomeOfCut(const SceneFile& scene_file, int ticks) {
   return fmt::format("0x{:x}", hash);
 }
 
-/// Does it, and keeps why it failed in `told`; empty: it has not.
+/// Runs `work`; stores the reason of a failure in `told`, empty on success.
 template <class Work>
 const char* tell(Work work) {
   try {
@@ -188,8 +188,7 @@ const char* tell(Work work) {
   return told.c_str();
 }
 
-/// A scene that a browser's one thread keeps up with. Those of the program by their names, too, are opened when asked
-/// for.
+/// Scene that one thread of a browser can run in time. The program's scenes are also opened by name on request.
 struct DemoScene {
   std::string_view name, of;
 };
@@ -200,7 +199,7 @@ const std::vector<DemoScene>& demoScenes() {
   return kScenes;
 }
 
-/// The finest particles that this browser's worker steps in time, measured once.
+/// Selects the finest particles that this browser's worker computes in time, measured once.
 SceneFile fitted(SceneFile scene_file) {
   static const double radius_m = [&] {
     constexpr std::array kOneThread{1};
@@ -217,7 +216,7 @@ SceneFile sceneNamed(std::string_view name) {
   return of == "auto" ? fitted(findSceneFile(of)) : findSceneFile(of);
 }
 
-/// @param changes  "table.key=value" in a line each: what overridesOf() gave somebody else.
+/// Returns a scene with changes. @param changes  result of overridesOf(): one "table.key=value" per line.
 SceneFile sceneOf(std::string_view name, std::string_view changes) {
   SceneFile scene_file = sceneNamed(name);
   std::vector<std::string> overrides;
@@ -226,11 +225,11 @@ SceneFile sceneOf(std::string_view name, std::string_view changes) {
     overrides.emplace_back(changes.substr(0, end));
     changes.remove_prefix(std::min(end + 1, changes.size()));
   }
-  // By its numbers, so that what is changed does not contradict a name.
+  // As numbers, so that changes do not contradict a name.
   return overrides.empty() ? scene_file : sceneFileFromText(sceneFileText(scene_file), "this address", overrides);
 }
 
-/// The lines of a scene's text, each as "table.key=value".
+/// Returns the lines of a scene's text, each as "table.key=value".
 std::vector<std::string> settingsOf(const SceneFile& scene_file) {
   std::vector<std::string> settings;
   std::string table;
@@ -246,7 +245,7 @@ std::vector<std::string> settingsOf(const SceneFile& scene_file) {
   return settings;
 }
 
-/// What makes `now` of `base`: what fits into an address, which grains and drawings do not.
+/// Returns the changes from `base` to `now` that fit into an address; particles and mesh files do not.
 std::string overridesOf(const SceneFile& base, const SceneFile& now) {
   constexpr std::size_t kLongest = 200;
   const std::vector<std::string> before = settingsOf(base);
@@ -261,7 +260,7 @@ std::string overridesOf(const SceneFile& base, const SceneFile& now) {
 
 std::string Demo::changes() const {
   SceneFile now = session_.sceneFile();
-  now.loop = base_.loop;  // the worker's own
+  now.loop = base_.loop;  // the loop belongs to the worker
   now.bed.threads = base_.bed.threads;
   now.hand.surface_m = base_.hand.surface_m;
   now.hand.manoeuvre = session_.manoeuvre();
@@ -274,10 +273,10 @@ std::string Demo::changes() const {
 
 using haptolith::demo::page;
 
-// For JavaScript. What returns a text says with it why nothing came of it; empty: it is done.
+// Functions for JavaScript. A returned text is the reason of a failure; empty: success.
 extern "C" {
 
-/// The scenes to choose from, as JSON: name, title.
+/// Returns the available scenes, as JSON: name, title.
 EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const auto& scene : haptolith::demo::demoScenes()) {
@@ -287,8 +286,8 @@ EMSCRIPTEN_KEEPALIVE const char* demoScenes() {
   return haptolith::demo::told.c_str();
 }
 
-/// Name of the file with the settled soil of a scene; empty: it needs none. A file of that name in /tiles is taken, and
-/// what had to settle is put there.
+/// Returns the name of the file with the settled soil of a scene; empty: it needs none. The file is read from /tiles;
+/// newly settled soil is written there.
 EMSCRIPTEN_KEEPALIVE const char* demoTile(const char* scene, const char* changes) {
   std::string name;
   const char* failed = haptolith::demo::tell([&] {
@@ -302,7 +301,7 @@ EMSCRIPTEN_KEEPALIVE const char* demoTile(const char* scene, const char* changes
   return haptolith::demo::told.c_str();
 }
 
-/// Opens a scene: one of demoScenes() or of the program's, by its name, with changes that demoChanges() has told.
+/// Opens a scene by name, one of demoScenes() or of the program, with changes from demoChanges().
 EMSCRIPTEN_KEEPALIVE const char* demoOpen(const char* scene, const char* changes) {
   return haptolith::demo::tell([&] {
     haptolith::useTileCache("/tiles");
@@ -315,7 +314,7 @@ EMSCRIPTEN_KEEPALIVE const char* demoOpen(const char* scene, const char* changes
   });
 }
 
-/// What makes the scene as it is now of the one of that name: a line each.
+/// Returns the changes of the current scene from the named one, one per line.
 EMSCRIPTEN_KEEPALIVE const char* demoChanges() {
   std::string changes;
   const char* failed = haptolith::demo::tell([&] { changes = haptolith::demo::demo->changes(); });
@@ -323,7 +322,7 @@ EMSCRIPTEN_KEEPALIVE const char* demoChanges() {
   return haptolith::demo::told.c_str();
 }
 
-/// Goes on to now, in s. False when the scene has ended.
+/// Advances to the current time, in s. Returns false when the scene has ended.
 EMSCRIPTEN_KEEPALIVE bool demoTurn(double now_s) {
   return haptolith::demo::demo->turn(now_s);
 }
@@ -340,8 +339,8 @@ EMSCRIPTEN_KEEPALIVE double demoTakeFile(const char* bytes, std::size_t size) {
   return page().brought(std::string(bytes, size));
 }
 
-/// The hash that tests/scene_file/golden_test.cpp would have of a scene's text after so many ticks, and how long one
-/// took in us; with `cut` that of its straight cut. Or why there is none.
+/// Returns the hash of tests/scene_file/golden_test.cpp for a scene's text after a number of ticks, and the duration of
+/// one in us; with `cut` that of its straight cut. On failure the reason.
 EMSCRIPTEN_KEEPALIVE const char* demoOutcome(const char* scene, int ticks, bool cut) {
   std::string outcome;
   const char* failed = haptolith::demo::tell([&] {

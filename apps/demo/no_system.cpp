@@ -1,4 +1,4 @@
-// What a browser has none of: devices, other processors, other instruction sets.
+// Stubs for features that a browser lacks: devices, other processors, other instruction sets.
 
 #include <hwy/highway.h>
 #include <pthread.h>
@@ -19,7 +19,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/device/drivers/open_device.h"
 
-// Of Linux, and missing in emscripten's C library: nothing here depends on being granted any of it.
+// Linux functions missing in emscripten's C library. They are optional here, so they may fail.
 extern "C" {
 
 int pthread_setaffinity_np(pthread_t /*thread*/, size_t /*size*/, const cpu_set_t* /*cpus*/) {
@@ -60,7 +60,7 @@ ssize_t getrandom(void* bytes, size_t size, unsigned /*flags*/) {
 
 namespace haptolith {
 
-/// The page has brought it from beside itself.
+/// Returns the content of a file that the page has fetched from its folder.
 std::string_view readyTileFile(std::string_view name) {
   static std::map<std::string, std::string, std::less<>> files;
   if (const auto known = files.find(name); known != files.end()) {
@@ -73,7 +73,7 @@ std::string_view readyTileFile(std::string_view name) {
   return files.emplace(name, std::string(std::istreambuf_iterator<char>(file), {})).first->second;
 }
 
-void validate(const DeviceParameters& /*parameters*/) {}  // none is opened
+void validate(const DeviceParameters& /*parameters*/) {}  // no device is opened
 
 std::unique_ptr<HapticDevice> openDevice(const DeviceParameters& /*parameters*/, double /*tick_s*/) {
   throw Failure("a browser opens no haptic device: install haptolith, and dig with yours there");

@@ -1,4 +1,5 @@
-// The view's server, for a page in the same browser: its declaration is the program's, so that the view is the same.
+// WebServer of the view for a page in the same browser. It implements the program's declaration, so that the view is
+// unchanged.
 
 #include "page_server.h"
 
@@ -12,8 +13,8 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::uint32_t kPage = 1;  // the only client's number
-constexpr int kMostOnTheirWay = 2;  // a page that draws slowly misses pictures, as a slow client of the program does
+constexpr std::uint32_t kPage = 1;  // number of the only client
+constexpr int kMostOnTheirWay = 2;  // a page that draws slowly misses snapshots, like a slow client of the program
 
 struct {
   std::deque<WebServer::Event> events;
@@ -73,7 +74,7 @@ double Page::brought(std::string bytes) {
 
 class WebServer::Implementation {};
 
-/// A scene that is opened takes the page over from the one before.
+/// Connects the page to a newly opened scene.
 WebServer::WebServer(const WebServerOptions& /*options*/, Board& shown) {
   board = &shown;
   state.seen = {};

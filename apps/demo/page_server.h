@@ -5,19 +5,19 @@
 
 namespace haptolith::demo {
 
-/// What stands in for the WebSocket between the view and the page: the view's WebServer, whose one client is the page
-/// that has started it. All on one thread.
+/// Replacement for the WebSocket between the view and the page: the view's WebServer with one client, the page that has
+/// started it. All on one thread.
 class Page {
  public:
-  /// Where messages for the page go.
+  /// Receiver of messages for the page.
   std::function<void(const std::string& bytes, bool binary)> post;
 
-  /// The page has come; and it has sent this.
+  /// Reports that the page has connected, and a message that it has sent.
   static void come();
   static void sent(std::string text);
-  /// The page has taken one of the messages that it was sent. It is sent pictures only while few are on their way.
+  /// Reports that the page has received a message. Snapshots are sent only while few are in transit.
   static void took();
-  /// The page has brought a file for the command `tool_file`; @return its number.
+  /// Stores a file from the page for the command `tool_file`. @return its number.
   static double brought(std::string bytes);
 };
 

@@ -1,5 +1,5 @@
-// What emscripten's C library lacks of Linux: it is asked for a file that somebody made at the same moment, and here
-// nobody does.
+// renameat2(), missing in emscripten's C library. It detects a file that another process creates at the same moment,
+// which cannot happen here.
 #pragma once
 
 #include <cstdio>

@@ -1,6 +1,6 @@
-// Lets the soil of the demo's scenes settle, and puts it beside the page, so that nobody who opens it waits:
+// Settles the soil of the demo's scenes and stores it next to the page, so that the page opens without delay:
 //
-//     node settle_tiles.mjs FOLDER      with soil.js and soil.wasm in it; makes FOLDER/tiles
+//     node settle_tiles.mjs FOLDER      containing soil.js and soil.wasm; writes FOLDER/tiles
 
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';

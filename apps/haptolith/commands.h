@@ -6,17 +6,18 @@ class App;
 
 namespace haptolith {
 
-// The program's commands, each added by a function below, defined in the file of its name. A command runs while the
-// command line is parsed, which then throws CLI::ParseError for wrong usage, InvalidParameter for a wrong value,
-// Failure for work undone.
+// Commands of the program. Each is added by a function below, defined in the file of its name. A command runs during
+// parsing of the command line, which throws CLI::ParseError for wrong usage, InvalidParameter for an invalid value, and
+// Failure for failed work.
 
-/// All commands of this executable: program.cpp of `haptolith`, workbench.cpp of `haptolith-workbench`.
+/// Adds all commands of this executable: defined in program.cpp for `haptolith`, in workbench.cpp for
+/// `haptolith-workbench`.
 void addCommands(CLI::App& app);
-/// Replaces this process by the executable that has the command; returns when this one has it.
-/// @throws Failure when there is none.
+/// Replaces this process by the executable that has the command; returns if this one has it.
+/// @throws Failure if no executable is found.
 void runWhatIsElsewhere(int argc, char** argv);
 
-/// The commands that both executables have.
+/// Adds the commands common to both executables.
 void addProgramCommands(CLI::App& app);
 
 void addRunCommand(CLI::App& app);
@@ -34,16 +35,15 @@ void addRos2Command(CLI::App& app);
 void addBenchCommand(CLI::App& app);
 void addDevicesCommand(CLI::App& app);
 void addDoctorCommand(CLI::App& app);
-/// `completion bash|zsh|fish`: prints a script made from the commands and options of `app`; a new command needs nothing
-/// here.
+/// Adds `completion bash|zsh|fish`: prints a script generated from the commands and options of `app`.
 void addCompletionCommand(CLI::App& app);
 
-// Of `haptolith lab`.
+// Subcommands of `haptolith lab`.
 void addCollect(CLI::App& lab);
 void addReport(CLI::App& lab);
 void addValidate(CLI::App& lab);
 
-// Of `haptolith study`.
+// Subcommands of `haptolith study`.
 void addStudyExcludeCommand(CLI::App& study);
 void addStudyExploreCommand(CLI::App& study);
 void addStudyExportCommand(CLI::App& study);

@@ -25,15 +25,15 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// An option, a flag or a positional argument as a shell sees it.
+/// Option, flag or positional argument for a shell.
 struct Argument {
   Words names;    ///< "-h", "--help"; empty when positional
-  Words choices;  ///< what its value may be; empty when anything, for example a file
+  Words choices;  ///< valid values; empty: any, for example a file
   std::string description;
   bool takes_value = false;
 };
 
-/// One command of the tree, the program itself first.
+/// Command of the tree; the root is the program.
 struct Command {
   std::string path;  ///< "haptolith soil profile"
   std::string description;
@@ -47,7 +47,7 @@ std::string firstLine(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }
 
-/// "a,b->1" of CLI11's "{a,b->1}" becomes {"a", "b"}.
+/// Splits "a,b->1" of CLI11's "{a,b->1}" into {"a", "b"}.
 Words splitChoices(const std::string& description) {
   const std::size_t begin = description.find('{');
   const std::size_t end = description.find('}', begin);
@@ -70,8 +70,8 @@ Words namedIn(const Table& table) {
   return names;
 }
 
-/// CLI11 keeps the choices of an option only as text, in its type name. Soils and bodies are checked by the library, in
-/// every command alike.
+/// Returns the choices of an option. CLI11 stores them only as text, in the type name. The library checks soils and
+/// bodies, so their options are the same in every command.
 Words choicesOf(const CLI::Option& option) {
   if (option.check_lname("preset")) {
     return namedIn(presets());
@@ -136,7 +136,7 @@ std::string lastWord(const std::string& path) {
   return path.substr(path.rfind(' ') + 1);
 }
 
-/// Quotes for a shell. Fish also reads \' and \\ between single quotes, the others read neither.
+/// Quotes for a shell. Fish interprets \' and \\ between single quotes, the others do not.
 std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) {
@@ -145,7 +145,7 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-/// 'haptolith soil'|'haptolith soil profile'|...: every path but the program's own.
+/// Returns 'haptolith soil'|'haptolith soil profile'|...: every path except the program's.
 std::string pathPattern(const Command& root) {
   Words paths;
   forEach(root, [&](const Command& command) {
@@ -156,7 +156,7 @@ std::string pathPattern(const Command& root) {
   return fmt::format("{}", fmt::join(paths, "|"));
 }
 
-/// What may stand at the cursor in this command: subcommands, options, choices of positional arguments.
+/// Returns the valid words at the cursor in this command: subcommands, options, choices of positional arguments.
 Words wordsOf(const Command& command) {
   Words words;
   for (const Command& subcommand : command.subcommands) {
@@ -198,7 +198,7 @@ _haptolith() {{
 )",
                                    pathPattern(root));
   forEachValue(root, [&](const std::string& pattern, const Words& choices) {
-    // No choices, no reply: bash then offers files.
+    // Without choices the reply is empty, so bash offers files.
     script += choices.empty() ? fmt::format("    {}) return ;;\n", pattern)
                               : fmt::format("    {}) mapfile -t COMPREPLY < <(compgen -W {} -- \"$cur\"); return ;;\n",
                                             pattern, quoted(fmt::format("{}", fmt::join(choices, " "))));
@@ -211,7 +211,7 @@ _haptolith() {{
   return script + "  esac\n}\ncomplete -o default -F _haptolith haptolith\n";
 }
 
-/// An entry of zsh's _describe: 'word:what it is'.
+/// Returns an entry of zsh's _describe: 'word:description'.
 std::string described(std::string word, const std::string& description) {
   return quoted(CLI::detail::find_and_replace(std::move(word), ":", "\\:") + ":" + description);
 }

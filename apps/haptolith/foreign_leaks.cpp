@@ -1,5 +1,5 @@
-// What other people's libraries leak is not ours to mend: under the address sanitizer it must not fail the program.
-// Nobody calls this otherwise.
+// Suppresses leaks of third-party libraries, which must not fail the program under the address sanitizer. Only the
+// sanitizer calls this function.
 
 extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions();  // NOLINT: the sanitizer's name
 extern "C" const char* __lsan_default_suppressions() {                                // NOLINT

@@ -26,7 +26,7 @@
 namespace haptolith {
 namespace {
 
-/// What the program tells its caller; docs and scripts rely on these.
+/// Exit status of the program; docs and scripts rely on it.
 enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 
 constexpr const char* kProgramExamples = R"(Examples:
@@ -44,8 +44,8 @@ HAPTOLITH_CACHE=off haptolith ...          without keeping settled soil, or with
 
 Exit status: 0 done, 1 failed, 2 wrong usage.)";
 
-/// The log on standard error, which waits for no terminal. Texts of files are in its messages: what a terminal would
-/// obey is taken out of them.
+/// Log sink on standard error that does not wait for a terminal. Control characters are removed, because messages
+/// contain texts of files.
 class PostingSink final : public spdlog::sinks::base_sink<std::mutex> {
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
@@ -79,7 +79,7 @@ void printError(const std::string& message) {
       fmt::format("haptolith: {}error:{} {}\n", coloured ? "\033[1;31m" : "", coloured ? "\033[0m" : "", message));
 }
 
-/// The help of the command the user reached, its usage line with the whole path.
+/// Returns the help of the selected command, with its full path in the usage line.
 std::string helpOf(const CLI::App& app) {
   const CLI::App* at = &app;
   std::string above;
@@ -90,7 +90,7 @@ std::string helpOf(const CLI::App& app) {
   return at->help(above);
 }
 
-/// The command that the user reached.
+/// Returns the command selected by the command line.
 const CLI::App& reachedBy(const CLI::App& app) {
   const CLI::App* at = &app;
   while (!at->get_subcommands().empty()) {
@@ -99,7 +99,7 @@ const CLI::App& reachedBy(const CLI::App& app) {
   return *at;
 }
 
-/// Its path, for example "haptolith soil profile".
+/// Returns its path, for example "haptolith soil profile".
 std::string commandPath(const CLI::App& reached) {
   const CLI::App* above = reached.get_parent();
   return above == nullptr ? "haptolith" : commandPath(*above) + " " + reached.get_name();
@@ -111,7 +111,7 @@ ExitStatus usageError(const CLI::App& app, const std::string& message) {
   return kUsage;
 }
 
-/// Tells on standard output what files there are now; on standard error where a program reads the other.
+/// Lists the saved files on standard output; on standard error if a program reads standard output.
 void tellWhatWasSaved(const CLI::App& app) {
   const CLI::Option* json = reachedBy(app).get_option_no_throw("--json");
   const std::string saved = savedText();
@@ -126,7 +126,7 @@ ExitStatus run(CLI::App& app, int argc, char** argv) {
     useSimdTargetOfEnvironment();
     app.parse(argc, argv);
     tellWhatWasSaved(app);
-    printText("");  // a full disk shows only when the last of the output goes out
+    printText("");  // flushes the output, because a full disk may fail only there
     return kOk;
   } catch (const CLI::CallForHelp&) {
     printText(helpOf(app));

@@ -1,5 +1,5 @@
-// `haptolith`: the commands that a first run needs. The others are in `haptolith-workbench`, which takes twice as long
-// to compile; it is found as git finds its commands, and built when it is first used in a build folder.
+// `haptolith`: the commands needed in a first run. The others are in `haptolith-workbench`, which takes twice as long
+// to compile. It is located like the commands of git, and built on first use in a build folder.
 
 #include <CLI/App.hpp>
 #include <fmt/format.h>
@@ -37,11 +37,11 @@ constexpr std::array kElsewhere{CommandElsewhere{"lab", kLabDescription},
                                 CommandElsewhere{"bench", kBenchDescription},
                                 CommandElsewhere{"completion", kCompletionDescription}};
 
-/// Folder of the workbench from that of this program, where both are installed.
+/// Folder of the installed workbench, relative to that of this program.
 constexpr const char* kInstalled = HAPTOLITH_WORKBENCH_FROM_PROGRAM;
 constexpr const char* kName = "haptolith-workbench";
 
-/// The build folder that this program lies in; empty when it is installed.
+/// Returns the build folder that contains this program; empty if it is installed.
 fs::path buildFolder(const fs::path& program) {
   const fs::path folder = program.parent_path().parent_path().parent_path();
   return fs::exists(folder / "build.ninja") ? folder : fs::path();

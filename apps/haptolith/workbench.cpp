@@ -1,4 +1,4 @@
-// `haptolith-workbench`: every command of the program, those of laboratories, studies and robots included.
+// `haptolith-workbench`: every command of the program, including those for laboratory, studies and robots.
 
 #include "commands.h"
 

@@ -2,7 +2,7 @@
 
 namespace haptolith {
 
-// Descriptions of the commands of `haptolith-workbench`, which `haptolith --help` lists as well.
+// Descriptions of the commands of `haptolith-workbench`, also listed by `haptolith --help`.
 
 inline constexpr const char* kLabDescription = "A soil laboratory: what a bed of macroparticles really does";
 inline constexpr const char* kStudyDescription = "User studies: from the protocol to the psychometric curve";

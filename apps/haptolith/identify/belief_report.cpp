@@ -10,7 +10,7 @@ namespace haptolith {
 
 namespace {
 
-/// One number of a belief, as people read it.
+/// Quantity of a belief, formatted for a terminal.
 struct Line {
   const char* name;
   const char* key;

@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// What is believed of a soil, one line for each number, with its interval.
+/// Returns a belief about a soil as text, one line per quantity, with its interval.
 [[nodiscard]] std::string beliefText(const SoilBelief& belief, const SoilPrior& prior, double gravity_m_s2);
 [[nodiscard]] nlohmann::ordered_json beliefJson(const SoilBelief& belief, const SoilPrior& prior, double gravity_m_s2);
 

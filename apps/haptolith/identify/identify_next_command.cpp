@@ -43,7 +43,8 @@ struct NextOptions {
   bool json = false, check = false;
 };
 
-/// As on the Moon; cohesion counts there as much as five times of it do on the Earth.
+/// Returns the wanted widths as on the Moon. Cohesion scales with gravity: the same effect on Earth takes about six
+/// times as much.
 SoilWidths wantedBy(const NextOptions& options, double gravity_m_s2) {
   if (options.wanted.empty()) {
     return {12, 400 * gravity_m_s2 / findBody("Moon").gravity_m_s2, 15};
@@ -127,7 +128,7 @@ void tellNext(const NextOptions& options) {
 constexpr std::array kOrders{std::pair{PartOrder::kByGain, "by gain"}, std::pair{PartOrder::kAsLearned, "as learned"},
                              std::pair{PartOrder::kAtRandom, "at random"}};
 
-/// From wide to narrow.
+/// Wanted widths, from wide to narrow.
 constexpr std::array kWanted{SoilWidths{16, 600, 20}, SoilWidths{14, 500, 16}, SoilWidths{12, 400, 14}};
 
 void checkOrders(const NextOptions& options) {

@@ -33,7 +33,7 @@ struct ProbeOptions {
   Overwrite overwrite;
 };
 
-/// The middle of the surface of a scene's soil.
+/// Returns the centre of the surface of a scene's soil.
 Vec3 originIn(const std::string& scene) {
   const StopOnSignal stop;
   StatusLine status;

@@ -35,7 +35,7 @@ struct SoilOptions {
   bool json = false;
 };
 
-/// Soil that behaves as it was believed to, for scenes.
+/// Returns soil for scenes with the properties of the belief.
 SoilFile soilFileOf(const SoilOptions& options, const SoilBelief& belief, const StrengthMap& strengths) {
   SoilFile file;
   file.name = "identified";
@@ -47,7 +47,7 @@ SoilFile soilFileOf(const SoilOptions& options, const SoilBelief& belief, const 
   file.target.cohesion_pa = belief.cohesion_pa.middle;
   file.target.cohesion_range_pa = Range{belief.cohesion_pa.low, belief.cohesion_pa.high};
   SoilParameters soil = lunarContacts();
-  constexpr double kBulk_kg_m3 = 1500;  // of lunarContacts() in the upper 15 cm
+  constexpr double kBulk_kg_m3 = 1500;  // density of lunarContacts() in the upper 15 cm
   soil.rho0_kg_m3 *= options.density_kg_m3 / kBulk_kg_m3;
   soil.rho_max_kg_m3 *= options.density_kg_m3 / kBulk_kg_m3;
   file.soil = strengths.with(rescaled(soil, options.radius_mm * 1e-3),

@@ -28,7 +28,7 @@ void train(const SoilsOptions& options) {
     try {
       training.temper = LeaveOneOut(training).calibratedTemper();
       keep(options, training);
-    } catch (const InvalidParameter& too_few) {  // what was dug stays
+    } catch (const InvalidParameter& too_few) {  // the finished runs stay in the file
       printNotice(fmt::format("not enough to learn from yet: {}\n", too_few.what()));
     }
   }

@@ -39,7 +39,7 @@ void addOrigin(CLI::App& command, std::vector<double>& origin_mm) {
 
 namespace {
 
-/// Says that the movement was not found, with what shows wrong units.
+/// Returns the message that the movement was not found, with hints at wrong units.
 std::string nowhereText(const std::string& file, const std::vector<MeasuredSample>& samples) {
   std::vector<double> steps_s;
   Vec3 low_m = samples.front().pose.position_m, high_m = low_m;

@@ -26,7 +26,7 @@ namespace haptolith {
 
 namespace {
 
-/// A file's movement from its first pose on: straight between what is 20 ms apart, or further.
+/// Returns a file's movement from its first pose, linear between poses that are at least 20 ms apart.
 ToolMovement movementOf(const PoseFile& file) {
   constexpr double kBetween_s = 0.02;
   std::vector<TimedPose> poses;
@@ -37,7 +37,8 @@ ToolMovement movementOf(const PoseFile& file) {
   return ToolMovement(std::move(poses));
 }
 
-/// What the same command has kept before. It is none of its inputs, which it may not write: it goes on with it.
+/// Returns the results that the command saved earlier, to resume. Not marked as an input, because inputs must not be
+/// overwritten.
 Training keptBefore(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;
   if (!std::filesystem::is_regular_file(path) || std::filesystem::file_size(path) > kMostBytes) {
@@ -115,7 +116,7 @@ Training dugSoils(const SoilsOptions& options, std::uint64_t (*number_of)(std::u
   Training training = begun(options, dig);
   const StopOnSignal stop;
   StatusLine status;
-  useTileCache({});  // of soils that nobody digs in again
+  useTileCache({});  // no cache, because these soils are used only once
   const auto count = static_cast<std::size_t>(options.soils);
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < count; ++i) {
@@ -131,7 +132,7 @@ Training dugSoils(const SoilsOptions& options, std::uint64_t (*number_of)(std::u
     std::optional<TrainingRun> run;
     try {
       run = trainingRun(dig.movement, dig.tool, dig.field, number_of(i + 1), work.progressOf(i, title));
-    } catch (const Failure& failure) {  // a few of such soils tremble for ever
+    } catch (const Failure& failure) {  // a few of these soils do not settle
       if (work.ends()) {
         throw;
       }

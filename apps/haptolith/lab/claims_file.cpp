@@ -80,7 +80,7 @@ std::vector<ClaimKey> claimKeys() {
   };
 }
 
-/// The options of the claim's test, under [claim.options], and those in which the other run differs, under
+/// Reads the options of the claim's test from [claim.options], and the differing ones of the other run from
 /// [claim.over_options].
 void readRunOptions(const TomlReader& reader, MeasuredClaim& measured) {
   const LabTest test = labTest(measured.run.test);

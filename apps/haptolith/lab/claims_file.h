@@ -12,32 +12,32 @@
 
 namespace haptolith {
 
-/// A test of the laboratory that a claim is measured with.
+/// Laboratory test for a claim.
 struct ClaimRun {
   std::string test;
   std::string soil;
   std::string body = "Earth";
-  std::optional<double> radius_mm;  ///< of the macroparticles; none: the test's own
-  double stiffness_times = 1;       ///< contacts as many times as stiff as the soil's, at any load
-  toml::table options = {};         ///< of the test
+  std::optional<double> radius_mm;  ///< radius of the particles; empty: the test's default
+  double stiffness_times = 1;       ///< contact stiffness over that of the soil, at any load
+  toml::table options = {};         ///< options of the test
 };
 
-/// A claim and how it is measured.
+/// Claim with the test that determines its number.
 struct MeasuredClaim {
   Claim claim;
   ClaimRun run;
-  std::optional<ClaimRun> over;      ///< ours is the number of `run` over that of this one
-  std::string ours;                  ///< where the number stands in the test's JSON: "/draft_n" (RFC 6901)
-  std::string other;                 ///< where that of the theory stands; empty: the claim expects a number
-  std::int64_t specimens_times = 1;  ///< as many times as many specimens as asked for
-  bool any_soil = false;             ///< whether it is a claim about soil of any kind
+  std::optional<ClaimRun> over;      ///< the simulated number is that of `run` over that of this run
+  std::string ours;                  ///< JSON pointer (RFC 6901) to the simulated number: "/draft_n"
+  std::string other;                 ///< JSON pointer to the theory's number; empty: the claim contains one
+  std::int64_t specimens_times = 1;  ///< factor on the requested number of specimens
+  bool any_soil = false;             ///< whether the claim holds for any kind of soil
 };
 
-/// Reads the claims of a file (docs/reference/claims-file.md); its soil files are relative to its folder.
-/// @throws TomlError for an invalid line; Failure when it cannot be read.
+/// Reads the claims of a file (docs/reference/claims-file.md); paths of soil files are relative to it. @throws
+/// TomlError for invalid content, with its line; Failure if it cannot be read.
 [[nodiscard]] std::vector<MeasuredClaim> readClaims(const std::filesystem::path& path);
 
-/// Those of validation/.
+/// Returns the claims of validation/.
 [[nodiscard]] std::vector<MeasuredClaim> shippedClaims();
 
 }  // namespace haptolith

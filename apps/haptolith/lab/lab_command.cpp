@@ -41,10 +41,10 @@ constexpr Range kSeeds{1, 100};
 struct TestCommand {
   LabOptions lab;
   int seeds = 1;
-  std::map<std::string, std::string> given;  ///< of the test's own options
+  std::map<std::string, std::string> given;  ///< the test's options on the command line
 };
 
-/// The test's own options that are not as usual.
+/// Returns the test's options that differ from their defaults.
 std::map<std::string, std::string> givenOptions(const CLI::App& command, const LabTest& test) {
   std::map<std::string, std::string> given;
   for (const LabOption& option : test.options) {
@@ -81,7 +81,7 @@ void runSpecimen(const LabTest& test, const TestCommand& command) {
   }
 }
 
-/// One specimen after the other; what they have in common.
+/// Runs specimens in sequence and prints their statistics.
 void runSpecimens(const LabTest& test, const TestCommand& command) {
   StatusLine status;
   LabOptions options = command.lab;
@@ -151,8 +151,7 @@ struct CalibrateCommand {
   bool json = false;
 };
 
-/// A calibration as a specimen of a test that is called `calibrate`, for `lab collect`: what was asked, from which
-/// seed, what came of it.
+/// Returns a calibration as a specimen of a test named `calibrate`, for `lab collect`: target, seed and result.
 Json calibrationJson(const CalibrateCommand& command, const CalibrateSoilOptions& asked, const CalibratedSoil& result) {
   const SoilReached& reached = result.reached;
   LabOutput output;
@@ -178,11 +177,12 @@ Json calibrationJson(const CalibrateCommand& command, const CalibrateSoilOptions
   Json json = specimenJson("calibrate", lab, wanted, conditions, output,
                            {{"density", command.density == DensityProfile::kLunar ? "lunar" : "constant"},
                             {"specimens", fmt::format("{}", asked.verification_seeds)}});
-  json["soil_keys"] = Json::object();  // those of the soil that came of it are no condition
+  json["soil_keys"] = Json::object();  // the keys of the resulting soil are not conditions
   return json;
 }
 
-/// Seconds of one thread: four rounds of two shear tests, the verification's, and columns for the density.
+/// Estimates the seconds on one thread: four rounds of two shear tests, those of the verification, and columns for the
+/// density.
 double typicalDuration(const CalibrateSoilOptions& options) {
   return (8 + options.verification_seeds) * labTest("shear").typical_s + 2 * labTest("settle").typical_s;
 }

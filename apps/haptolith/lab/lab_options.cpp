@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kMm = 1e-3;
 
-/// Upper and lower case are the same.
+/// Returns a transform to lower case.
 CLI::Validator inLowerCase() {
   return {[](std::string& text) {
             text = CLI::detail::to_lower(text);

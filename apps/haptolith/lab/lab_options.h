@@ -18,54 +18,54 @@ class App;
 
 namespace haptolith {
 
-/// What all tests of the laboratory can be told on the command line.
+/// Options common to all laboratory tests.
 struct LabOptions {
   std::string soil = "lunar-0-15cm";
   std::optional<FrictionModel> friction;
   std::string body = "Moon";
   std::optional<double> radius_mm, stiffness_n_m;
   std::uint64_t seed = 1;
-  int threads = 0;  ///< 0: as many as the machine has
+  int threads = 0;  ///< 0: one per processor
   bool json = false;
   std::string figure_file, trace_file;
   Overwrite overwrite;
 
-  /// The command's options; a test without a figure or trace leaves those out.
+  /// Adds the options to a command; a test without a figure or trace omits those.
   void addTo(CLI::App& command);
 };
 
-/// --key-with-dashes.
+/// Returns --key-with-dashes.
 [[nodiscard]] std::string flagOf(const LabOption& option);
 
-/// An option of a test under that name.
+/// Adds an option of a test under that name.
 void addOption(CLI::App& command, const LabOption& option);
 
-/// The soil that the command line named: a named one, a file, or one of the paper's presets.
-/// @param radius_mm  of the macroparticles when the options name none; 0 leaves them as the soil has them.
+/// Returns the soil of the command line: a named one, a file, or a preset.
+/// @param radius_mm  default radius of the particles; 0: the soil's radius.
 [[nodiscard]] LabSoil labSoil(const LabOptions& options, double radius_mm);
 
-/// The number of threads for --threads; 0: one for each processor.
+/// Returns the number of threads for --threads; 0: one per processor.
 [[nodiscard]] int threadsFor(int wanted);
 
 [[nodiscard]] LabConditions labConditions(const LabOptions& options, const LabSoil& soil, LabProgress progress);
 
-/// What every test says about its circumstances.
+/// Returns the conditions that every test reports.
 [[nodiscard]] nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoil& soil,
                                                        const LabConditions& conditions);
 [[nodiscard]] std::string circumstancesText(const LabOptions& options, const LabSoil& soil,
                                             const LabConditions& conditions);
 
-/// The soil's keys, as a soil file has them, without the model of friction.
+/// Returns the soil's keys, as in a soil file, without the friction model.
 [[nodiscard]] nlohmann::ordered_json soilJson(const SoilParameters& soil);
 
-/// What an engineer measured of the soil; null: nothing.
+/// Returns the measured values of the real soil; null without any.
 [[nodiscard]] nlohmann::ordered_json targetJson(const std::optional<SoilTarget>& target);
 
-/// Hours of work must not end in a file that cannot be written: tries each whose path is not empty.
+/// Checks before hours of work that all files with a path can be written.
 /// @throws Failure with the path and the system's reason.
 void requireWritable(const std::vector<OutputFile>& files);
 
-/// Writes a trace as CSV, whole or not at all.
+/// Writes a trace as CSV, atomically.
 void saveTrace(const OutputFile& file, const LabTrace& trace);
 
 }  // namespace haptolith

@@ -66,7 +66,7 @@ std::vector<LabTest> testsOf(const ReportOptions& options) {
   return tests;
 }
 
-/// All that the results depend on.
+/// Returns all conditions of the results.
 Json conditionsJson(const ReportOptions& options, const LabSoil& soil, const LabConditions& conditions) {
   std::vector<std::string> names;
   for (const LabTest& test : testsOf(options)) {
@@ -83,28 +83,28 @@ Json conditionsJson(const ReportOptions& options, const LabSoil& soil, const Lab
           {"target", targetJson(soil.target)}};
 }
 
-/// "1 to 3", or "1".
+/// Returns "1 to 3", or "1".
 std::string seedsText(const ReportOptions& options) {
   const std::uint64_t first = options.lab.seed;
   return options.seeds > 1 ? fmt::format("{} to {}", first, first + static_cast<std::uint64_t>(options.seeds) - 1)
                            : fmt::format("{}", first);
 }
 
-/// One test with one model of friction and one seed: what is done, saved and resumed as a whole.
+/// One test with one friction model and one seed: the unit that is run, saved and resumed.
 struct ReportPiece {
   std::size_t test = 0;
   FrictionModel model{};
   std::uint64_t seed = 1;
 };
 
-/// A report under way. Several threads measure pieces.
+/// Report in progress. Several threads run pieces.
 class Report {
  public:
-  /// @throws Failure as ReportFolder, when a result cannot be read, and without gnuplot.
+  /// @throws Failure as ReportFolder, if a result cannot be read, and without gnuplot.
   explicit Report(const ReportOptions& options);
 
-  /// Measures what is missing. @throws Failure when it cannot be saved, and when somebody ends it before; what has been
-  /// measured is saved.
+  /// Runs the missing pieces. @throws Failure if a result cannot be saved, and when interrupted; finished pieces are
+  /// saved.
   void complete();
 
  private:
@@ -128,9 +128,9 @@ class Report {
   LabSoil soil_;
   LabConditions conditions_;
   std::vector<LabTest> tests_;
-  std::vector<ReportPiece> pieces_;  ///< the first seed's come first, so that half a report has a value for each test
+  std::vector<ReportPiece> pieces_;  ///< the first seed first, so that a partial report has a value for each test
   std::optional<ReportFolder> folder_;
-  std::vector<std::optional<ReportResult>> results_;  ///< of each piece
+  std::vector<std::optional<ReportResult>> results_;  ///< one per piece
   std::optional<KeptWork> work_;
 };
 
@@ -146,7 +146,7 @@ Report::Report(const ReportOptions& options)
       }
     }
   }
-  // Without gnuplot it would end after its first test.
+  // Fails here without gnuplot, not after the first test.
   const Figure drawable(temporaryBeside(std::filesystem::temp_directory_path() / "haptolith.png", "try"), 100, 100);
   folder_.emplace(options.folder, conditionsJson(options, soil_, conditions_),
                   options.resume                  ? ReportThere::kResume
@@ -187,8 +187,8 @@ void Report::measure(std::size_t index) {
   keep(index, std::move(result), document);
 }
 
-/// A test that a soil fails outright (soil that does not flow through a funnel, say) is a finding, not the end of the
-/// report; only an interruption is.
+/// Runs a piece. A failed test, for example without flow through a hopper, is a finding and does not end the report;
+/// only an interruption does.
 ReportResult Report::tried(std::size_t index, Json& document) {
   const ReportPiece& piece = pieces_[index];
   const LabSoil soil = soilOf(piece);
@@ -252,7 +252,7 @@ LabConditions Report::conditionsOf(const ReportPiece& piece, const LabSoil& soil
   return conditions;
 }
 
-/// "shear: dry-sand, contact friction, Earth, macroparticles of 7 mm, seed 1"
+/// Returns "shear: dry-sand, contact friction, Earth, macroparticles of 7 mm, seed 1".
 std::string Report::captionOf(const ReportPiece& piece) const {
   const LabSoil soil = soilOf(piece);
   return fmt::format("{}: {}", reportName(tests_[piece.test]),
@@ -282,7 +282,7 @@ ReportCell Report::cellOf(std::size_t test, FrictionModel model) const {
   return cell;
 }
 
-/// "shear (contact: seeds 2, 3; paper: seeds 1, 2, 3), fall (paper: seeds 1)"; empty when nothing is.
+/// Returns "shear (contact: seeds 2, 3; paper: seeds 1, 2, 3), fall (paper: seeds 1)"; empty if no piece is missing.
 std::string Report::missingText() const {
   std::vector<std::string> missing;
   for (std::size_t test = 0; test < tests_.size(); ++test) {
@@ -345,7 +345,7 @@ ReportPage Report::page() const {
   return page;
 }
 
-/// Of the many files in the folder only the page is worth a line.
+/// Prints only the page, not the other files in the folder.
 void tellOfPageAlone() {
   for (const std::filesystem::path& path : filesWritten()) {
     if (path.extension() != ".html") {

@@ -52,14 +52,14 @@ struct ValidateOptions {
   Overwrite overwrite;
 };
 
-/// A test with one seed: what is measured, saved and resumed as a whole. Several claims may read its result.
+/// Test with one seed: the unit that is run, saved and resumed. Several claims may use its result.
 struct ClaimPiece {
   ClaimRun run;
   LabSoil soil;
   std::uint64_t seed = 1;
-  std::string name;          ///< of its file
-  Json specification;        ///< all that the result depends on
-  std::optional<Json> done;  ///< as saved: specification, took_s, and result or why_not
+  std::string name;          ///< name of its file
+  Json specification;        ///< all conditions of the result
+  std::optional<Json> done;  ///< saved content: specification, took_s, and result or why_not
 };
 
 LabSoil soilOf(const ClaimRun& run) {
@@ -83,7 +83,7 @@ Json specificationOf(const ClaimRun& run, const LabSoil& soil, std::uint64_t see
           {"seed", seed}};
 }
 
-/// Text that names a specification (Fowler, Noll and Vo, FNV-1a, 64 bits).
+/// Returns the hash of a specification as text (Fowler, Noll and Vo, FNV-1a, 64 bits).
 std::string nameOf(const Json& specification) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const char letter : specification.dump()) {
@@ -92,7 +92,7 @@ std::string nameOf(const Json& specification) {
   return fmt::format("{}-{:016x}", specification.at("test").get<std::string>(), hash);
 }
 
-/// "blade, toyoura, Earth, seed 1"
+/// Returns "blade, toyoura, Earth, seed 1".
 std::string titleOf(const ClaimPiece& piece) {
   return fmt::format("{}, {}, {}, seed {}", piece.run.test, piece.soil.name, findBody(piece.run.body).name, piece.seed);
 }
@@ -114,12 +114,12 @@ std::optional<double> numberAt(const Json& result, const MeasuredClaim& claim, c
   return number.is_number() ? std::optional(number.get<double>()) : std::nullopt;
 }
 
-/// Claims on their way to a page. Several threads measure.
+/// Validation in progress. Several threads run pieces.
 class Validation {
  public:
   explicit Validation(const ValidateOptions& options);
 
-  /// Measures what is missing. @throws Failure when a result cannot be saved, and when somebody ends it before.
+  /// Runs the missing pieces. @throws Failure if a result cannot be saved, and when interrupted.
   void complete();
 
  private:
@@ -137,7 +137,7 @@ class Validation {
   StatusLine status_;
   std::vector<MeasuredClaim> claims_;
   std::vector<ClaimPiece> pieces_;
-  std::vector<std::vector<std::size_t>> runs_, overs_;  ///< of each claim, a piece for each seed
+  std::vector<std::vector<std::size_t>> runs_, overs_;  ///< per claim, one piece per seed
   std::optional<ReportFolder> folder_;
   int threads_ = 1;
   std::optional<KeptWork> work_;
@@ -190,7 +190,8 @@ std::vector<Claim> claimsOf(const std::vector<MeasuredClaim>& measured) {
   return claims;
 }
 
-/// The page and the figures of all groups, chosen or not: another choice may have been there before.
+/// Returns the page and the figures of all groups, also of those not selected, because an earlier run may have selected
+/// them.
 std::vector<std::string> filesOf(const ValidateOptions& options) {
   std::vector<std::string> files = figureNamesOf(groupsOf(claimsOf(allClaims(options))));
   files.insert(files.begin(), kPage);
@@ -231,7 +232,7 @@ Validation::Validation(const ValidateOptions& options) : options_(options), clai
   }
 }
 
-/// Of runs that are the same, one for all.
+/// Returns the piece of a run; equal runs share one.
 std::size_t Validation::pieceFor(const ClaimRun& run, std::uint64_t seed) {
   ClaimPiece piece{.run = run, .soil = soilOf(run), .seed = seed, .name = {}, .specification = {}, .done = {}};
   piece.specification = specificationOf(run, piece.soil, seed);
@@ -280,7 +281,7 @@ void Validation::measure(std::size_t index) {
   });
 }
 
-/// A test that a soil fails outright is a finding, not the end.
+/// Runs a piece. A failed test is a finding and does not end the validation.
 Json Validation::tried(std::size_t index) {
   const ClaimPiece& piece = pieces_[index];
   Json document{{"specification", piece.specification}};
@@ -337,7 +338,7 @@ ClaimSpecimen Validation::specimenOf(const MeasuredClaim& measured, std::size_t 
   return specimen;
 }
 
-/// Of the seeds whose results are there.
+/// Judges a claim by the finished seeds.
 JudgedClaim Validation::judged(std::size_t claim) const {
   const MeasuredClaim& measured = claims_[claim];
   std::vector<ClaimSpecimen> specimens;

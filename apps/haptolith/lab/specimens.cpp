@@ -26,10 +26,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{16} << 20;
-/// Members of a specimen's JSON that say what was done. All others but seed and findings say what came of it.
+/// Members of a specimen's JSON that are conditions. All others except seed and findings are results.
 constexpr std::array kConditions{"program",   "test",          "soil",      "friction", "body",   "gravity_m_s2",
                                  "radius_mm", "stiffness_n_m", "soil_keys", "target",   "options"};
-/// Longer arrays are curves, which a table leaves to who reads the JSON.
+/// Max. length of an array in a table; longer arrays are curves, which only the JSON contains.
 constexpr std::size_t kMostInTable = 12;
 
 // --- one specimen ----------------------------------------------------------------------------------------------------
@@ -38,7 +38,7 @@ constexpr std::size_t kMostInTable = 12;
   throw Failure(fmt::format("{} {}", path, why));
 }
 
-/// Whether all is there, of the kind it has to be.
+/// Whether all members exist with the right type.
 bool isWhole(const Json& json) {
   try {
     for (const char* condition : kConditions) {
@@ -72,7 +72,7 @@ std::vector<double> numbersOf(const std::vector<Json>& values) {
   return numbers;
 }
 
-/// Where some have a number, and others one or none.
+/// Whether all values are numbers or null, with at least one number.
 bool areNumbers(const std::vector<Json>& values) {
   return allOf(values, [](const Json& value) { return value.is_number() || value.is_null(); }) &&
          !allOf(values, [](const Json& value) { return value.is_null(); });
@@ -95,8 +95,8 @@ Json jsonOf(const Scatter& scatter) {
   return {{"mean", scatter.mean}, {"sd", scatter.sd}, {"specimens", scatter.specimens}};
 }
 
-/// The same place of all specimens: each number's mean and scatter; of what is yes or no, how many say yes; of other
-/// things those in which all agree. Curves with another number of points in each have none in common: null.
+/// Combines one member of all specimens: mean and SD of numbers, count of true for booleans, and the common value of
+/// others. Null if they differ, for example for curves with different numbers of points.
 Json overSpecimens(const std::vector<Json>& values) {
   if (areNumbers(values)) {
     return jsonOf(scatterOf(numbersOf(values)));
@@ -123,13 +123,13 @@ Json overSpecimens(const std::vector<Json>& values) {
   return allOf(values, [&](const Json& value) { return value == values.front(); }) ? values.front() : Json(nullptr);
 }
 
-/// A number of all specimens that a table has room for.
+/// Column of a table: one number of all specimens.
 struct Column {
   std::string name;
   std::vector<double> numbers;
 };
 
-/// Those of `values` and below, named by where they stand: "points/0/peak_pa".
+/// Adds columns for `values` and their members, named by their paths: "points/0/peak_pa".
 void addColumns(const std::vector<Json>& values, const std::string& name, std::vector<Column>& columns) {
   const auto below = [&](const std::string& part) { return name.empty() ? part : name + "/" + part; };
   if (areNumbers(values)) {
@@ -152,7 +152,7 @@ void addColumns(const std::vector<Json>& values, const std::string& name, std::v
   }
 }
 
-/// "1 to 40", or "1, 2, 5 to 9".
+/// Returns "1 to 40", or "1, 2, 5 to 9".
 std::string seedsText(const std::vector<Specimen>& specimens) {
   std::vector<std::string> parts;
   for (std::size_t first = 0; first < specimens.size();) {
@@ -192,7 +192,7 @@ void requireSameConditions(const Specimen& first, const Specimen& other) {
   }
 }
 
-/// Finding by finding, what all specimens found.
+/// Returns, per finding, the values of all specimens.
 std::vector<std::vector<Finding>> findingsOf(const std::vector<Specimen>& specimens) {
   std::vector<std::vector<Finding>> all(specimens.front().findings().size());
   for (const Specimen& specimen : specimens) {
@@ -259,7 +259,7 @@ Json specimenJson(const std::string& test, const LabOptions& options, const LabS
   json["options"] = given;
   json["soil_keys"] = soilJson(conditions.soil);
   json["target"] = targetJson(soil.target);
-  return Json::parse(json.dump(-1, ' ', false, Json::error_handler_t::replace));  // as whoever reads it has it
+  return Json::parse(json.dump(-1, ' ', false, Json::error_handler_t::replace));  // as after writing and reading
 }
 
 Json Specimen::conditions() const {
@@ -313,7 +313,7 @@ Collection collected(std::vector<Specimen> specimens) {
     throw Failure("there is no specimen");
   }
   for (const Specimen& specimen :
-       specimens) {  // in the order in which they were named, which is how people look for it
+       specimens) {  // compared with the first one in the order of the command line, which the message names first
     requireSameConditions(specimens.front(), specimen);
   }
   std::ranges::stable_sort(specimens, {}, &Specimen::seed);

@@ -14,42 +14,41 @@
 
 namespace haptolith {
 
-/// One specimen of a test as `haptolith lab TEST --json` prints it: what was done, from which seed, what came of it.
-/// @param test  its name.
-/// @param given  the test's own options, as the command line has them: key and text.
+/// Returns one specimen of a test as printed by `haptolith lab TEST --json`: conditions, seed and results.
+/// @param test  name of the test.
+/// @param given  the test's options on the command line: key and text.
 [[nodiscard]] nlohmann::ordered_json specimenJson(const std::string& test, const LabOptions& options,
                                                   const LabSoil& soil, const LabConditions& conditions,
                                                   const LabOutput& output,
                                                   const std::map<std::string, std::string>& given);
 
-/// One that somebody's file holds.
+/// Specimen, read from a file or just simulated.
 struct Specimen {
   std::uint64_t seed = 0;
   nlohmann::ordered_json json;
-  std::string file;  ///< empty: just measured
+  std::string file;  ///< empty: just simulated
 
-  /// All that its result depends on, but for the seed.
+  /// Returns all conditions of its results except the seed.
   [[nodiscard]] nlohmann::ordered_json conditions() const;
-  /// What came of it.
+  /// Returns its results.
   [[nodiscard]] nlohmann::ordered_json results() const;
   [[nodiscard]] std::vector<Finding> findings() const;
 };
 
-/// Reads what specimenJson() made and some program printed. @throws Failure for a file that holds anything else, with
-/// the reason; InvalidParameter as openInput().
+/// Reads the output of specimenJson() from a file. @throws Failure for other content, with the reason; InvalidParameter
+/// as openInput().
 [[nodiscard]] Specimen readSpecimen(const std::string& path);
 
-/// What specimens of one test have in common.
+/// Statistics over specimens of one test.
 struct Collection {
   nlohmann::ordered_json json;
-  std::string text;                       ///< a table
-  std::vector<std::string> columns;       ///< of the rows: the seed, then each single number, at its place in the JSON
-  std::vector<std::vector<double>> rows;  ///< of each specimen; NaN: none
+  std::string text;                       ///< table
+  std::vector<std::string> columns;       ///< names: the seed, then each number by its path in the JSON
+  std::vector<std::vector<double>> rows;  ///< one per specimen; NaN: no value
 };
 
-/// Mean and scatter of each number over the specimens, in the order of their seeds.
-/// @throws Failure for none, for two of one seed, and for those that were not made under the same conditions: says
-/// which.
+/// Computes mean and SD of each number over the specimens, in the order of their seeds.
+/// @throws Failure without specimens, for equal seeds, and for different conditions, which are listed.
 [[nodiscard]] Collection collected(std::vector<Specimen> specimens);
 
 }  // namespace haptolith

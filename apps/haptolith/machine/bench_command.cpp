@@ -36,8 +36,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct BenchOptions {
-  LabOptions soil;                  ///< which soil, and of how large macroparticles
-  std::vector<std::string> scenes;  ///< names or files; instead of the rest
+  LabOptions soil;                  ///< soil and radius of its particles
+  std::vector<std::string> scenes;  ///< names or files; replace the other options
   std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
   std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kContact};
   std::vector<int> threads{1, 2};
@@ -51,14 +51,14 @@ struct BenchOptions {
   Overwrite overwrite;
 };
 
-/// One line of the table.
+/// Row of the table.
 struct BenchRow {
   std::size_t particles = 0;
   FrictionModel friction = FrictionModel::kPaper;
   int threads = 1, substeps = 1;
   Histogram tick_us{0.1}, list_rebuild_us{0.01};
-  double made_s = 0;  ///< how long it took to make the bed, before it settled unless it starts so
-  double awake = 0;   ///< particles, in the mean of all ticks
+  double made_s = 0;  ///< duration of creating the bed, without settling unless it starts settled
+  double awake = 0;   ///< mean number of awake particles over all ticks
   double bytes_per_particle = 0;
   double list_rebuilds_per_tick = 0;
 
@@ -71,7 +71,7 @@ void letSleep(BedParameters& bed, const BenchOptions& options) {
   bed.sleep_distance_m = 1e-3 * options.sleep_distance_mm;
 }
 
-/// A sandbox of about `particles` on the Moon; 256 of 7 mm are the paper's scene.
+/// Returns a sandbox of about `particles` on the Moon; 256 with R = 7 mm are the scene icra2021.
 BedParameters sandbox(const BenchOptions& options, int particles, FrictionModel friction, int threads) {
   BedParameters bed;
   letSleep(bed, options);
@@ -87,7 +87,8 @@ BedParameters sandbox(const BenchOptions& options, int particles, FrictionModel 
   return bed;
 }
 
-/// Lets a bed come to rest, more or less: what moves afterwards moves by the shovel. If it may sleep, until it does.
+/// Settles a bed approximately, so that afterwards mainly the shovel moves it. If it may sleep, it settles until it
+/// does.
 void settle(Scene& scene) {
   constexpr double kSettling_s = 0.3;
   constexpr double kLongest_s = 5;
@@ -112,7 +113,7 @@ void settle(Scene& scene) {
   run(bed.parameters().sleep ? kLongest_s : kSettling_s);
 }
 
-/// What a row is measured with.
+/// Scene of a row.
 struct BenchScene {
   std::string what;
   BedParameters bed;
@@ -134,7 +135,7 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
   BenchRow row;
   row.made_s = 1e-9 * static_cast<double>(made_ns);
   const std::uint64_t rebuilt_before = scene.bed().listRebuilds();
-  (void)scene.bed().takeListRebuildUs();  // of settling
+  (void)scene.bed().takeListRebuildUs();  // discards those of settling
   const auto ticks = static_cast<std::uint64_t>(options.seconds / scene.bed().parameters().tick_s);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
@@ -188,7 +189,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   return scenes;
 }
 
-/// How late the machine wakes a thread that sleeps until a given time: no tick can be more punctual.
+/// Measures the wake-up latency of a sleeping thread, a lower bound of the lateness of ticks.
 Histogram timerLatenessUs() {
   constexpr int kSleeps = 500;
   constexpr std::int64_t kPeriod_ns = 1'000'000;

@@ -51,7 +51,7 @@ const char* text(Fitness verdict) {
   return "";
 }
 
-/// Wraps what it is given in the codes of a terminal, or leaves it as it is.
+/// Adds colour codes of a terminal, or nothing.
 class Paint {
  public:
   explicit Paint(bool coloured) : coloured_(coloured) {}
@@ -105,7 +105,7 @@ std::string checkText(const Check& check, const Paint& paint) {
   return lines;
 }
 
-/// The numbers of the measurement over those that the loop needs.
+/// Returns the measured numbers over those required by the loop.
 std::string wakeUpText(const WakeUps& measured, const Paint& paint) {
   const Histogram& late_us = measured.late_us;
   if (late_us.count() == 0) {
@@ -128,7 +128,7 @@ std::string wakeUpText(const WakeUps& measured, const Paint& paint) {
                          kLatestWakeUp_us, 1000 - kLatestWakeUp_us));
 }
 
-/// What this machine can do, in five lines.
+/// Returns the abilities of this machine in five lines.
 std::string summaryText(const std::vector<SummaryLine>& summary, const Paint& paint) {
   std::string lines = paint.bold("What this machine can do") + "\n\n";
   for (const SummaryLine& line : summary) {
@@ -195,7 +195,7 @@ WakeUps measure(const DoctorOptions& options) {
   });
 }
 
-/// The finest soil of the scene that opens by itself which this machine computes in time; none when Ctrl-C came.
+/// Returns the finest soil of the default scene that this machine computes in time; empty after Ctrl-C.
 std::optional<FinestSoil> finestSoil(const DoctorOptions& options) {
   if (stopAsked()) {
     return std::nullopt;

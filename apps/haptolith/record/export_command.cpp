@@ -48,7 +48,7 @@ constexpr const char* kExportExamples = R"(Examples:
 Particles come with id, radius, velocity and contact force. A recording does not hold velocities: the run is computed
 again for them, to the bit, which takes as long as it took then without waiting for the clock.)";
 
-constexpr std::uint64_t kBlock = 4096;  // rows that are read at a time
+constexpr std::uint64_t kBlock = 4096;  // number of rows read at a time
 
 struct ExportOptions {
   std::string file, format, out;
@@ -59,7 +59,7 @@ struct ExportOptions {
   Overwrite overwrite;
 };
 
-/// Where to, when nobody says: run.csv or run-vtk for run.h5. Never the recording's own name.
+/// Returns the default output name: run.csv or run-vtk for run.h5. Never the name of the recording.
 fs::path outFor(const ExportOptions& options, std::string_view ending) {
   if (!options.out.empty()) {
     return options.out;
@@ -68,7 +68,7 @@ fs::path outFor(const ExportOptions& options, std::string_view ending) {
   return (file.extension() == ".h5" ? fs::path(file).replace_extension() : file).string() + std::string(ending);
 }
 
-/// Every tick as a row, every number so that it reads back as the same.
+/// Writes one row per tick; numbers are read back bit-identically.
 void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
   const fs::path out = outFor(options, ".csv");
   AtomicFile file(options.overwrite(out.string()));
@@ -96,7 +96,7 @@ std::string picturesText(const RecordedPictures& pictures) {
                                     : fmt::format("{}, {} of them with velocities", count, pictures.replayed());
 }
 
-/// What a robot told, report by report, likewise.
+/// Writes one row per report of a robot; numbers as above.
 void exportCsvOfRobot(const RecordingReader& recording, const ExportOptions& options) {
   if (recording.reports() == 0) {
     throw Failure(fmt::format("{} holds no reports of a robot: haptolith teleop operator --record makes such a file",
@@ -122,7 +122,7 @@ void requirePictures(const RecordingReader& recording, const ExportOptions& opti
   }
 }
 
-/// From the recording to what `write` makes of its pictures.
+/// Exports the snapshots of a recording with `write`.
 template <class Write>
 void exportPictures(const RecordingReader& recording, const ExportOptions& options, const fs::path& out, Write write) {
   StatusLine status;
@@ -178,7 +178,7 @@ void exportFolder(const RecordingReader& recording, const ExportOptions& options
 }
 
 void exportRecording(const ExportOptions& options) {
-  const StopOnSignal stop_on_signal;  // before there is anything half done
+  const StopOnSignal stop_on_signal;  // before any output exists
   if (options.format == "vtk" && isLammpsDump(options.file)) {
     const fs::path out =
         options.out.empty() ? fs::path(options.file).replace_extension().string() + "-vtk" : options.out;

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kPicturesAtOnce = 4096;  // ticks that are read at a time
+constexpr std::uint64_t kPicturesAtOnce = 4096;  // number of ticks read at a time
 
 fs::path folderFor(const LammpsExportOptions& options) {
   if (!options.out.empty()) {
@@ -61,7 +61,7 @@ void write(const LammpsExportOptions& options, const SceneFile& scene, const Bed
         "LAMMPS has no style for this soil's law of contacts: the nearest is written, and in.haptolith says what "
         "differs; --own-law writes the law itself, for LAMMPS that has it built in; without cohesion, and with "
         "soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS has",
-        (1 - 3e-4) * linearGamma(scene.bed.soil));  // rounded, still no more than k allows
+        (1 - 3e-4) * linearGamma(scene.bed.soil));  // below the limit by k also after rounding
   }
   printText(fmt::format(
       "  cd {} && lmp -in in.haptolith          ({})\n"
@@ -82,7 +82,7 @@ void exportScene(const LammpsExportOptions& options) {
   write(options, scene, bed, {.dt_s = stepOf(scene, false), .duration_s = options.duration_s});
 }
 
-/// Where the tool was, from a time on. @throws Failure where somebody changed the scene after that.
+/// Returns the tool's path from a time. @throws Failure if the scene was changed after it.
 std::vector<TimedPose> pathOf(const RecordingReader& recording, double from_s) {
   std::vector<TimedPose> path;
   for (std::uint64_t first = 0; first < recording.ticks(); first += kPicturesAtOnce) {

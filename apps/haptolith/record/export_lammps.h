@@ -6,16 +6,16 @@
 namespace haptolith {
 
 struct LammpsExportOptions {
-  std::string file;                    ///< a recording (.h5) or a scene
-  std::vector<std::string> overrides;  ///< keys of a scene
-  std::string out;                     ///< a new folder; empty: named after the file
-  double from_s = 0;                   ///< of a recording: the bed as it is then, and the tool's way from there on
-  double duration_s = 1;               ///< of a scene
-  bool own_law = false;                ///< for LAMMPS that has haptolith's law built in
+  std::string file;                    ///< recording (.h5) or scene
+  std::vector<std::string> overrides;  ///< scene keys
+  std::string out;                     ///< new folder; empty: named after the file
+  double from_s = 0;                   ///< for a recording: time of the bed, and begin of the tool's path
+  double duration_s = 1;               ///< for a scene
+  bool own_law = false;                ///< for a LAMMPS with haptolith's contact law
 };
 
-/// A bed as an input script of LAMMPS with what it reads, in a new folder: of a recording with its tool, which goes the
-/// recorded way; of a scene alone. @throws InvalidParameter, Failure.
+/// Writes a bed as a LAMMPS input script with its data files to a new folder. For a recording the tool follows its
+/// recorded path; a scene has no tool. @throws InvalidParameter, Failure.
 void exportLammps(const LammpsExportOptions& options);
 
 }  // namespace haptolith

@@ -4,11 +4,11 @@
 
 namespace haptolith {
 
-/// Whether a file begins as a text dump of LAMMPS does.
+/// Whether a file begins like a text dump of LAMMPS.
 [[nodiscard]] bool isLammpsDump(const std::filesystem::path& path);
 
-/// Every picture of a dump as a file of VTK, in a new folder, with particles.pvd, which has their times: seconds where
-/// the dump tells them, else numbers of steps. @throws InvalidParameter, Failure.
+/// Writes every snapshot of a dump as a VTK file to a new folder, with their times in particles.pvd: seconds if the
+/// dump contains them, otherwise numbers of steps. @throws InvalidParameter, Failure.
 void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::path& out);
 
 }  // namespace haptolith

@@ -42,7 +42,7 @@ struct ImportOptions {
   Overwrite overwrite;
 };
 
-/// The scene that the dump's bed is of: that beside it where nobody says.
+/// Returns the scene of the dump's bed; default: the one in the dump's folder.
 SceneFile sceneOf(const ImportOptions& options) {
   if (!options.scene.empty()) {
     return findSceneFile(options.scene);
@@ -58,7 +58,7 @@ SceneFile sceneOf(const ImportOptions& options) {
   return findSceneFile(beside.string());
 }
 
-/// A bed as a table; the soil first, then what is held. What is neither (a tool) is left out.
+/// Returns a bed as a table: the soil first, then held particles. Others, such as a tool, are left out.
 std::string tableOf(const LammpsPicture& picture) {
   std::string text = "x_m,y_m,z_m,radius_m,held\n";
   for (const int type : {LammpsRun::kSoil, LammpsRun::kHeld}) {

@@ -35,7 +35,7 @@ constexpr const char* kRos2Examples = R"(Examples:
 
 Topics, frames and QoS: docs/how-to/ros2.md. ROS 2 itself is not needed.)";
 
-constexpr double kBeside_m = 0.15, kAboveSoil_m = 0.35;  // how far from the box targets lead the tool
+constexpr double kBeside_m = 0.15, kAboveSoil_m = 0.35;  // max. distance of targets from the box
 
 struct SceneOverRos2 {
   Ros2Options ros2;
@@ -119,7 +119,7 @@ class Ros2Companion final : public RunCompanion {
   std::optional<Ros2Node> node_;
   std::optional<ScenePublisher> publisher_;
   std::int64_t next_surface_ns_ = 0;
-  std::optional<double> surface_m_;  ///< mean height of the soil as it lay at first: a robot's site has its zero there
+  std::optional<double> surface_m_;  ///< initial mean height of the soil, the zero of a robot's site
 };
 
 }  // namespace

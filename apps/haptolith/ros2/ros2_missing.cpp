@@ -1,4 +1,4 @@
-// In place of what needs Cyclone DDS, where it was not there when the program was built.
+// Replacement for the commands that need Cyclone DDS, in a build without it.
 
 #include <CLI/App.hpp>
 

@@ -8,7 +8,7 @@ class App;
 
 namespace haptolith {
 
-/// Which ROS 2 graph to join, as the command line says it.
+/// Options for the ROS 2 graph to join.
 struct Ros2Options {
   Ros2Parameters node;
 

@@ -15,13 +15,13 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// An hour of film takes some hours of a processor.
+/// Max. processor time of the encoder; an animation of an hour takes a few hours.
 constexpr std::chrono::hours kMostCpu{24};
 
-/// Between two pictures, and for the last of them.
+/// Timeout between two frames, and after the last one.
 constexpr std::chrono::minutes kTimeout{10};
 
-/// What is asked of the encoder: no film that shows grains as mud, none that takes minutes.
+/// Returns the encoder's command: sharp particles, within acceptable time.
 Words encoderFor(const std::filesystem::path& path) {
   if (path.extension() == ".mp4") {
     return {"-c:v", "libx264", "-crf", "20", "-movflags", "+faststart"};
@@ -35,17 +35,17 @@ Words encoderFor(const std::filesystem::path& path) {
 ChildProcess::Command commandFor(const std::filesystem::path& path, const std::string& output, double pictures_per_s) {
   Words words{"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostats", "-f", "image2pipe", "-c:v", "png",
               "-framerate", fmt::format("{}", pictures_per_s), "-i", "pipe:0",
-              // Players expect these of a film of this size, and what is not said they guess.
+              // Players expect these for an animation of this size, and guess values that are not set.
               "-vf", "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p", "-colorspace", "bt709",
               "-color_primaries", "bt709", "-color_trc", "bt709"};
   const Words encoder = encoderFor(path);
   words.insert(words.end(), encoder.begin(), encoder.end());
-  words.insert(words.end(), {"-y", "file:" + output});  // whatever the name looks like
+  words.insert(words.end(), {"-y", "file:" + output});  // for any file name
   return {.arguments = std::move(words), .package = "ffmpeg", .environment = {}, .most_cpu = kMostCpu};
 }
 
 AtomicFile fileFor(const OutputFile& file) {
-  (void)encoderFor(file.path);  // a wrong ending is told before anything is written
+  (void)encoderFor(file.path);  // reports a wrong ending before any output is written
   return AtomicFile(file);
 }
 

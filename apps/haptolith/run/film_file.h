@@ -8,16 +8,16 @@
 
 namespace haptolith {
 
-/// A film that ffmpeg makes of pictures: .mp4 (H.264) or .webm (VP9). It appears whole or not at all.
+/// Animation encoded by ffmpeg: .mp4 (H.264) or .webm (VP9). It is written atomically.
 class FilmFile {
  public:
-  /// @throws InvalidParameter for another ending; Failure when the file cannot be written or ffmpeg is not installed.
+  /// @throws InvalidParameter for another ending; Failure if the file cannot be written or ffmpeg is not installed.
   FilmFile(const OutputFile& file, double pictures_per_s);
 
-  /// Adds a picture, the bytes of a PNG. @throws Failure with ffmpeg's words; when the work is stopped.
+  /// Adds a frame, the bytes of a PNG. @throws Failure with ffmpeg's message; when the work is stopped.
   void add(std::string_view png);
 
-  /// Waits for ffmpeg and renames the file into place. @throws Failure with ffmpeg's words.
+  /// Waits for ffmpeg and renames the file into place. @throws Failure with ffmpeg's message.
   void save();
 
  private:
@@ -26,7 +26,7 @@ class FilmFile {
   std::string path_;
   AtomicFile file_;
   Pipe pictures_;
-  Descriptor words_;  ///< what ffmpeg has to complain about
+  Descriptor words_;  ///< ffmpeg's error messages
   ChildProcess ffmpeg_;
 };
 

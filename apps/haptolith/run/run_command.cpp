@@ -60,12 +60,12 @@ constexpr const char* kRunExamples = R"(Examples:
   haptolith run --device force-dimension            feel it (haptolith devices, haptolith doctor)
   haptolith run --duration-s 60 --record run.h5     for haptolith replay and haptolith export)";
 
-/// What the command line says; everything else comes from the scene file.
+/// Options of the command line; everything else comes from the scene file.
 struct RunOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
   bool unpaced = false, finest = false, measure_again = false;
-  int coarser = 0;  ///< steps
+  int coarser = 0;  ///< number of steps
   std::optional<int> cpu;
   std::string trace_file, figure_file, record_file;
   Overwrite overwrite;
@@ -86,8 +86,8 @@ SceneFile sceneFileFor(const RunOptions& options) {
   return scene_file;
 }
 
-/// What the machine allows, where the scene leaves its particles to it: `auto` does unless their radius is given, and
-/// any other with --finest.
+/// Selects the finest particles that the machine allows, if the scene permits: `auto` unless a radius is given, and any
+/// other with --finest.
 std::optional<FinestGrain> fitted(SceneFile& scene_file, const RunOptions& options) {
   const SceneOptions& asked = options.scene;
   const bool has_radius = setsKey(asked.overrides, "soil.radius_mm");
@@ -114,7 +114,7 @@ std::optional<FinestGrain> fitted(SceneFile& scene_file, const RunOptions& optio
   return found;
 }
 
-/// Chooses the particles, and takes the steps that --coarser asks for.
+/// Chooses the particles, and applies the steps of --coarser.
 std::optional<FinestGrain> chooseParticles(SceneFile& scene_file, const RunOptions& options) {
   std::optional<FinestGrain> finest = fitted(scene_file, options);
   for (int step = 0; step < options.coarser; ++step) {
@@ -124,7 +124,7 @@ std::optional<FinestGrain> chooseParticles(SceneFile& scene_file, const RunOptio
   return finest;
 }
 
-/// Which particles a scene has that were chosen, in a line; empty: they are the scene's own.
+/// Describes the chosen particles of a scene in one line; empty: they are those of the scene.
 std::string particlesText(const Scene& scene, const std::optional<FinestGrain>& finest, int coarser) {
   const BedParameters& bed = scene.bed().parameters();
   if (coarser > 0) {
@@ -138,7 +138,7 @@ std::string particlesText(const Scene& scene, const std::optional<FinestGrain>& 
   return finest ? text(*finest, scene.bed().particles()) + "\n" : "";
 }
 
-/// Of a name that no program takes for another kind of file.
+/// Checks that the name of a recording does not suggest another file type.
 void requireRecordingName(const std::filesystem::path& file) {
   if (file.extension() != ".h5") {
     throw InvalidParameter("record", inQuotes(file.string()), "a file name ending in .h5");
@@ -150,7 +150,7 @@ void requireRecordingName(const std::filesystem::path& file) {
   }
 }
 
-/// Everything that follows the loop from a distance: trace, history for the figure, the status line.
+/// Consumers of the loop's records: trace, history for the figure, status line.
 class Follower {
  public:
   Follower(const RunOptions& options, const SceneFile& scene_file, RunCompanion* companion)
@@ -170,7 +170,7 @@ class Follower {
   [[nodiscard]] bool wantsRecords() const noexcept { return trace_ || keep_history_; }
   [[nodiscard]] bool traces() const noexcept { return trace_.has_value(); }
 
-  /// Records the session from its first tick on.
+  /// Records the session from its first tick.
   void record(Session& session, const RunOptions& options) {
     session.loop().hashRecords();
     recording_.start(session, options.record_file, options.overwrite.allowed);
@@ -205,7 +205,7 @@ class Follower {
 
   [[nodiscard]] SessionRecording& recording() noexcept { return recording_; }
 
-  /// Saves trace and recording; the next to print finds a clean line.
+  /// Saves trace and recording, and clears the status line.
   void finish(LoopEnd end, double time_s) {
     recording_.note("end", time_s, text(end));
     if (trace_) {
@@ -218,7 +218,7 @@ class Follower {
   [[nodiscard]] const RunHistory& history() const noexcept { return history_; }
 
  private:
-  /// Keeps every stride-th record; when there are too many, every second one goes and the stride doubles.
+  /// Keeps every stride-th record; if there are too many, drops every second one and doubles the stride.
   void remember(const TickRecord& record) {
     constexpr std::size_t kMostRecords = 20'000;
     if (seen_++ % stride_ != 0) {
@@ -255,7 +255,7 @@ class Follower {
   std::uint64_t seen_ = 0, stride_ = 1;
 };
 
-/// How to open the same scene with soil that is a little coarser.
+/// Returns the command that opens the scene with slightly coarser soil.
 std::string coarserSoil(const RunOptions& options, const SceneFile& shown) {
   constexpr double kCoarser = 1.15;
   if (!options.scene.name_or_file.empty() || options.scene.preset) {
@@ -268,7 +268,7 @@ std::string coarserSoil(const RunOptions& options, const SceneFile& shown) {
   return command;
 }
 
-/// A run that was to last a certain time and did not, or that went wrong, has failed; its trace is kept all the same.
+/// Throws for a run that failed or ended before its duration; its trace is kept.
 void throwWhenItFailed(const SceneFile& scene_file, const HapticLoop& loop, LoopEnd end) {
   const bool cut_short = end == LoopEnd::kStopped && scene_file.loop.duration_s > 0;
   if (cut_short || end == LoopEnd::kHandLeft || end == LoopEnd::kLost || end == LoopEnd::kNotFinite ||
@@ -279,7 +279,7 @@ void throwWhenItFailed(const SceneFile& scene_file, const HapticLoop& loop, Loop
   }
 }
 
-/// Whether a device could shake where the soil is stiffest.
+/// Warns if a device could oscillate at the max. stiffness of the soil.
 void warnOfStiffness(const Session& session) {
   const SceneFile& scene_file = session.shown();
   const DeviceLimits limits = session.device().limits();
@@ -290,8 +290,8 @@ void warnOfStiffness(const Session& session) {
   }
 }
 
-/// The view in the browser: unless somebody measures or a program reads what is printed. None when no port is free and
-/// nobody has asked for it.
+/// Creates the browser view, which is omitted for measurements and if a program reads the output. Null if no port is
+/// free and the view was not requested.
 std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const RunOptions& options,
                                  const WebServerOptions& web) {
   try {
@@ -316,7 +316,7 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
   }
 }
 
-/// Shows in the terminal, and on a page where there will be one, how far the bed has settled.
+/// Shows the progress of settling in the terminal, and on a page if there will be one.
 SettleProgress settlingOn(WaitingPage* page, SettledFraction& settled, StatusLine& status) {
   return [shown = settlingIn(status), page, &settled](double time_s, double speed_m_s) {
     if (page != nullptr) {
@@ -333,7 +333,7 @@ void run(const RunOptions& options) {
       options.companion ? options.companion(scene_file, options.scene) : nullptr;
   const WebServerOptions web = options.web.forAll();
   const std::optional<FinestGrain> finest = chooseParticles(scene_file, options);
-  // Files that cannot be written are refused before the bed is made.
+  // Fails for files that cannot be written before the bed is created.
   Follower follower(options, scene_file, companion.get());
   std::optional<Figure> figure;
   if (!options.figure_file.empty()) {
@@ -425,7 +425,7 @@ void run(const RunOptions& options) {
 
 namespace {
 
-/// All that a run can be told.
+/// Adds all options of a run.
 void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
   options->scene.addTo(*command);
   command->add_option("--duration-s", options->duration_s, "Simulated time; default: until Ctrl-C")

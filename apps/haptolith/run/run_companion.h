@@ -21,38 +21,38 @@ class App;
 
 namespace haptolith {
 
-/// Part of a run that another command adds: robots that follow the tool, a network that moves it.
+/// Extension of a run by another command: robots that follow the tool, a network that moves it.
 class RunCompanion {
  public:
   virtual ~RunCompanion() = default;
 
-  /// Device that holds the tool; none: the one that the scene and the command line name.
+  /// Returns the device that holds the tool; null: that of the scene and the command line.
   [[nodiscard]] virtual std::unique_ptr<HapticDevice> device() { return nullptr; }
-  /// Receives each tick's record on the thread that takes them; empty: none.
+  /// Returns the receiver of each tick's record, on the thread that takes them; empty: none.
   [[nodiscard]] virtual RecordTaker::Listener listener() { return {}; }
   /// Whether follow() needs each tick's record, and the recording has tables of a robot.
   [[nodiscard]] virtual bool leadsRobot() const { return false; }
 
-  /// Once, with the bed made and the loop not yet started. @throws Failure.
+  /// Called once, after creation of the bed and before the loop starts. @throws Failure.
   virtual void begin(const Session& session) { static_cast<void>(session); }
-  /// After each look of the main thread.
+  /// Called in each iteration of the main thread.
   virtual void follow(Session& session, const SessionDriver::News& news, SessionRecording& recording) = 0;
-  /// State in the browser view.
+  /// Shows the state in the browser view.
   virtual void showIn(LiveView& view) const { static_cast<void>(view); }
-  /// Status line in place of the run's own; empty: the run's own.
+  /// Returns a status line instead of the run's; empty: that of the run.
   [[nodiscard]] virtual std::string status() const { return {}; }
 
-  /// Result when the run is over: lines of text, or a member of the run's JSON object.
+  /// Returns the result after the run: lines of text, or a member of the run's JSON object.
   [[nodiscard]] virtual std::string summary() const = 0;
   virtual void addTo(nlohmann::ordered_json& json) const = 0;
 };
 
-/// Makes a companion before the bed is made; may change the scene. @throws InvalidParameter, Failure.
+/// Creates a companion before the bed is created; may change the scene. @throws InvalidParameter, Failure.
 using CompanionFactory =
     std::function<std::unique_ptr<RunCompanion>(SceneFile& scene_file, const SceneOptions& options)>;
 
 /// Adds the options of `haptolith run` to a command that runs a scene with a companion.
-/// @param scene  opened when the command line names none; empty: as `haptolith run` does.
+/// @param scene  default scene; empty: that of `haptolith run`.
 void addRunOptions(CLI::App& command, CompanionFactory companion, const std::string& scene = {});
 
 }  // namespace haptolith

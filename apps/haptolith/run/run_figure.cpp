@@ -19,8 +19,8 @@ namespace {
 constexpr double kMm = 1e3;
 using Rows = std::vector<std::vector<double>>;
 
-/// Particles from the tool's middle to the far wall, seen from the side, the far ones first, with how near they are (0
-/// to 1) for their shade; x, z and radius in mm.
+/// Returns particles from the tool's centre to the far wall, as seen from the side, the far ones first, with their
+/// nearness (0 to 1) for shading; x, z and radius in mm.
 Rows particlesBehindTheCut(const SceneSnapshot& scene, const BedParameters& bed) {
   const double cut = scene.scene_T_tool.position_m.y();
   Rows rows;
@@ -34,15 +34,15 @@ Rows particlesBehindTheCut(const SceneSnapshot& scene, const BedParameters& bed)
   return rows;
 }
 
-/// Edges of the tool as x, z, dx, dz in mm: where its surface bends by more than 25 degrees, and its outline as it is
-/// seen along y. @param opening_m  between its jaws.
+/// Returns edges of the tool as x, z, dx, dz in mm: bends of its surface by more than 25 degrees, and its outline along
+/// y. @param opening_m  opening of its jaws.
 Rows toolEdges(const ToolParameters& tool, const Pose& pose, double opening_m) {
   const double bends = std::cos(25 * std::numbers::pi / 180);
   const ToolSurface surface = toolSurface(tool, opening_m);
   const auto at = [&](std::int32_t point) {
     return pose.fromBody(surface.points_tool_m[static_cast<std::size_t>(point)]);
   };
-  std::map<std::pair<std::int32_t, std::int32_t>, Vec3> normals;  // of the triangle on the left of each directed edge
+  std::map<std::pair<std::int32_t, std::int32_t>, Vec3> normals;  // of the triangle left of each directed edge
   for (const auto& [a, b, c] : surface.triangles) {
     const Vec3 normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
     normals[{a, b}] = normals[{b, c}] = normals[{c, a}] = normal;
@@ -90,7 +90,7 @@ void drawRun(Figure& figure, const SceneFile& scene_file, const RunHistory& hist
   const BedParameters& bed = scene_file.bed;
   const SceneSnapshot& scene = history.strongest;
   const double half_width = kMm * bed.width_m / 2;
-  const double wall = half_width + kMm * bed.soil.radius_m;  // walls bound the middles of particles
+  const double wall = half_width + kMm * bed.soil.radius_m;  // walls bound the centres of particles
   const Rows tool = toolEdges(scene_file.tool, scene.scene_T_tool, scene.opening_m);
   double tool_top = kMm * scene.scene_T_tool.position_m.z();
   for (const std::vector<double>& edge : tool) {

@@ -9,17 +9,17 @@
 
 namespace haptolith {
 
-/// What a figure of a run is drawn from.
+/// Data for a figure of a run.
 struct RunHistory {
-  std::vector<TickRecord> records;  ///< thinned out evenly once there are too many to see
-  SceneSnapshot strongest;          ///< the scene when the hand felt most, of the moments looked at
+  std::vector<TickRecord> records;  ///< evenly thinned if there are too many
+  SceneSnapshot strongest;          ///< scene of the max. force among the sampled moments
 };
 
 constexpr int kRunFigureWidth_px = 1200;
 constexpr int kRunFigureHeight_px = 900;
 
-/// Draws the scene at its strongest moment, force over time, force over the tool's height, and how long ticks took;
-/// then saves. @throws as Figure.
+/// Draws the scene at the max. force, force over time, force over the tool's height, and the durations of ticks; then
+/// saves. @throws as Figure.
 void drawRun(Figure& figure, const SceneFile& scene_file, const RunHistory& history, const LoopStatistics& statistics);
 
 }  // namespace haptolith

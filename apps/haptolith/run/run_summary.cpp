@@ -36,12 +36,12 @@ Json finestJson(const std::optional<FinestGrain>& finest) {
 }
 
 std::string soilText(const SceneFile& scene_file) {
-  const std::string name = scene_file.preset + scene_file.soil_name;  // one of them at most
+  const std::string name = scene_file.preset + scene_file.soil_name;  // at most one of them is set
   return fmt::format("{}, {} friction", name.empty() ? "own soil" : name,
                      wordFor(kFrictionWords, scene_file.bed.soil.friction));
 }
 
-/// How late paced ticks began; empty when none was.
+/// Describes the lateness of paced ticks; empty without any.
 std::string wakeUpText(const Histogram& late_us) {
   return late_us.count() == 0
              ? ""
@@ -49,8 +49,8 @@ std::string wakeUpText(const Histogram& late_us) {
                            late_us.percentile(0.5), late_us.percentile(0.99), late_us.percentile(0.999), late_us.max());
 }
 
-/// "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)"; those of several sizes that are
-/// held come last, "189 of 7 mm behind the sides".
+/// Returns "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)"; held particles of several
+/// sizes come last, "189 of 7 mm behind the sides".
 std::string grainsText(const Bed& bed) {
   std::vector<std::string> sizes;
   const std::vector<Bed::GrainRun> runs = bed.grainRuns();
@@ -82,7 +82,7 @@ nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& sce
           {"body", scene_file.body},
           {"particles", scene.bed().particles()},
           {"finest", finestJson(summary.finest)},
-          {"held", scene.bed().heldParticles()},  // for ever, where the box ends
+          {"held", scene.bed().heldParticles()},  // permanently, at the ends of the box
           {"awake", scene.bed().awake()},
           {"substeps", scene.substeps()},
           {"threads", scene_file.bed.threads},

@@ -13,21 +13,21 @@
 
 namespace haptolith {
 
-/// Results of a run that the loop does not hold.
+/// Results of a run that the loop does not contain.
 struct RunSummary {
   LoopEnd end;
   RealTime real_time;
   std::uint64_t lost_records;
-  std::optional<FinestGrain> finest;  ///< what was chosen for this machine
-  std::string advice;                 ///< what to do about missed deadlines; empty: nothing
-  std::string device_input;           ///< counts of the device's input; empty: none
+  std::optional<FinestGrain> finest;  ///< particles chosen for this machine
+  std::string advice;                 ///< advice on missed deadlines; empty: none
+  std::string device_input;           ///< statistics of the device's input; empty: none
 };
 
-/// The summary as an object of `--json`.
+/// Returns the summary as an object for `--json`.
 [[nodiscard]] nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& scene,
                                                  const HapticLoop& loop, const RunSummary& summary);
 
-/// The summary as text for a terminal.
+/// Returns the summary as text for a terminal.
 [[nodiscard]] std::string summaryText(const SceneFile& scene_file, const Scene& scene, const HapticLoop& loop,
                                       const RunSummary& summary);
 

@@ -28,14 +28,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The value of `title = "..."`.
+/// Returns the value of `title = "..."`.
 std::string_view titleOf(std::string_view scene) {
   constexpr std::string_view kBegin = "\ntitle = \"";
   const std::size_t begin = scene.find(kBegin) + kBegin.size();
   return scene.substr(begin, scene.find('"', begin) - begin);
 }
 
-/// The comment that the file begins with: what the scene is for.
+/// Returns the comment at the begin of the file, the purpose of the scene.
 std::vector<std::string_view> purposeOf(std::string_view scene) {
   std::vector<std::string_view> lines;
   while (scene.starts_with("# ")) {
@@ -46,7 +46,7 @@ std::vector<std::string_view> purposeOf(std::string_view scene) {
   return lines;
 }
 
-/// Lets the soil of `auto` settle in each of its radii, for scenes/tiles (./dev tiles); files that are there stay.
+/// Settles the soil of `auto` for each of its radii, for scenes/tiles (./dev tiles); existing files stay.
 void makeTiles(const std::filesystem::path& folder) {
   const BedParameters any = findSceneFile(kAutoScene).bed;
   const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));

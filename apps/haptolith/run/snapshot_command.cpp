@@ -43,19 +43,19 @@ constexpr const char* kSnapshotExamples = R"(Examples:
 Chromium draws it, without a window: apt install chromium. Films need ffmpeg, too. HAPTOLITH_CHROMIUM=PATH takes another
 Chromium than the one in PATH.)";
 
-/// Simulated time between what the page is told, in s: twice a frame of a film, enough for its plots.
+/// Simulated time between updates of the page, in s: two frames of an animation, sufficient for its plots.
 constexpr double kStep_s = 0.032;
 
-/// What the plots of the page go back to, in s.
+/// Time range of the page's plots, in s.
 constexpr double kPlotted_s = 10;
 
-/// The page shows its numbers ten times a second; what comes earlier may not be in them.
+/// Time until the page's numbers are current; it updates them ten times per second.
 constexpr auto kBetweenNumbers = 150ms;
 
-/// A large bed, drawn in software on a busy machine, takes its time.
+/// Timeout of the page; a large bed, drawn in software on a busy machine, is slow.
 constexpr auto kPatienceForPage = 300s;
 
-/// Fraction of ticks that may take longer than a tick's time in a picture of soil in real time.
+/// Max. fraction of ticks longer than the tick's period in a snapshot of soil in real time.
 constexpr double kMaxLate = 0.001;
 
 struct SnapshotOptions {
@@ -71,13 +71,13 @@ struct SnapshotOptions {
   double duration_s = 8, frames_per_s = 30;
 };
 
-/// The scene, unpaced and without an end of its own: time passes only where a picture asks for it.
+/// Returns the scene, unpaced and without an end: time advances only as required by a snapshot.
 SceneFile sceneFileFor(const SnapshotOptions& options) {
   SceneFile scene_file = sceneFileFor(options.scene);
   if (options.scene.manoeuvre || options.scene.poses_file) {
     scene_file.device = {};
   }
-  if (scene_file.device.kind != DeviceKind::kVirtualHand) {  // it would move, and be driven faster or slower than time
+  if (scene_file.device.kind != DeviceKind::kVirtualHand) {  // its speed would not be that of simulated time
     throw InvalidParameter(
         "device", fmt::format("'{}'", wordFor(kDeviceWords, scene_file.device.kind)),
         "the virtual hand, which is all that a snapshot uses: add --device virtual-hand, or say with "
@@ -89,8 +89,8 @@ SceneFile sceneFileFor(const SnapshotOptions& options) {
   return scene_file;
 }
 
-/// A scene in which time stands still between pictures, and a browser that shows it. The same scene at the same time
-/// looks the same every time.
+/// Scene in which time is paused between snapshots, with a browser that shows it. Snapshots of a scene at one time are
+/// reproducible.
 class Studio {
  public:
   Studio(const SnapshotOptions& options, const SceneFile& scene_file, StatusLine& status)
@@ -107,8 +107,8 @@ class Studio {
     waitForPage();
   }
 
-  /// Lets time pass up to `time_s`, so that speeds and plots are those of the time before. Nothing is drawn on the way:
-  /// drawing in software would take the processor from the loop, whose time is judged.
+  /// Advances time to `time_s`, so that speeds and plots include the time before. Nothing is drawn in between, because
+  /// drawing in software would take the processor from the loop, whose duration is checked.
   void play(double time_s) {
     drawPicture(false);
     const double back_s = options_.panels ? kPlotted_s : kStep_s;
@@ -123,13 +123,13 @@ class Studio {
     showNow();
   }
 
-  /// Lets time pass in one step: to the next frame of a film.
+  /// Advances time in one step, to the next frame of an animation.
   void step(double time_s) {
     advance(time_s);
     showNow();
   }
 
-  /// What the page shows, once it shows what the scene is now.
+  /// Returns a snapshot of the page, once it shows the current scene.
   std::string picture() {
     waitUntilDrawn();
     std::string png = browser_.screenshot(options_.film ? HeadlessBrowser::Png::kQuick : HeadlessBrowser::Png::kSmall);
@@ -137,8 +137,9 @@ class Studio {
     return png;
   }
 
-  /// Ticks that other programs interrupted say nothing about the soil: time stands still between the pictures.
-  /// @throws Failure when more ticks than kMaxLate took too long by their own computing time.
+  /// Checks that the soil ran in real time. Ticks interrupted by other programs do not count, because time is paused
+  /// between snapshots.
+  /// @throws Failure if the computing time of more ticks than kMaxLate was too long.
   void requireInTime() {
     const SceneSnapshot& scene = session_.snapshot();
     const auto ticks = static_cast<double>(scene.ticks);
@@ -151,7 +152,7 @@ class Studio {
   }
 
  private:
-  /// Every picture is of a moment at the end of a tick; the first tick puts the tool where the hand is.
+  /// Returns the tick of a snapshot, which is at the end of a tick. The first tick moves the tool to the hand.
   [[nodiscard]] std::uint64_t tickAt(double time_s) const {
     const double tick_s = session_.sceneFile().bed.tick_s;
     return static_cast<std::uint64_t>(std::max(1LL, std::llround(time_s / tick_s)));
@@ -164,7 +165,7 @@ class Studio {
     if (wanted > now) {
       session_.advance(static_cast<int>(wanted - now));
     }
-    // Of a large bed a snapshot takes several ticks, so only the second of this moment is of this moment alone.
+    // A snapshot of a large bed takes several ticks, so only the second one at this moment is entirely of this moment.
     for (int complete = 0; complete < 2;) {
       throwIfStopped();
       if (session_.done()) {
@@ -185,7 +186,7 @@ class Studio {
     view_.show(true, session_.poll());
   }
 
-  /// Until the page has drawn its first picture. @throws Failure with the page's words when it cannot.
+  /// Waits until the page has drawn its first frame. @throws Failure with the page's message if it cannot.
   void waitForPage() {
     const auto until = std::chrono::steady_clock::now() + kPatienceForPage;
     advance(0);
@@ -207,7 +208,7 @@ class Studio {
     throwWhenConnectionLost();
   }
 
-  /// Also when the page has connected again meanwhile: its plots are then empty.
+  /// Throws if the connection was lost, also if the page has reconnected, because its plots are then empty.
   void throwWhenConnectionLost() {
     if (client_.is_null() || browser_.evaluate(kConnectedClient) != client_) {
       throw Failure(
@@ -217,8 +218,8 @@ class Studio {
     }
   }
 
-  /// Until the page has a frame of this moment that it had not at the last picture, and has nothing left to draw; or
-  /// has lost its connection.
+  /// Waits until the page has drawn everything, with a frame of this moment that is newer than the last snapshot; or
+  /// until it has lost its connection.
   void waitUntilDrawn() {
     constexpr std::string_view kWaiting = R"(
       new Promise((drawn) => {{
@@ -248,7 +249,7 @@ class Studio {
   LiveView view_;
   nlohmann::json client_;          ///< number of the page's connection; null before it is ready
   double time_ = 0;                ///< simulated, s
-  std::uint32_t frame_drawn_ = 0;  ///< its number, in the last picture
+  std::uint32_t frame_drawn_ = 0;  ///< number of the page's frame in the last snapshot
 };
 
 void takePicture(const SnapshotOptions& options) {

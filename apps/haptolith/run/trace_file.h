@@ -5,7 +5,7 @@
 
 namespace haptolith {
 
-/// Every tick of a run as CSV, columns as in header(): the first eight make a pose file. Appears whole or not at all.
+/// CSV file of every tick of a run, columns as in header(); the first eight are a pose file. Written atomically.
 class TraceFile {
  public:
   explicit TraceFile(const OutputFile& file);

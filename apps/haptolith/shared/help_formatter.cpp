@@ -12,7 +12,7 @@ namespace haptolith {
 
 namespace {
 
-/// CLI11 keeps what an option may be as text behind its type: "TEXT:{press,stir}", "INT:1 to 256".
+/// Type of an option. CLI11 stores the valid values as text after the type: "TEXT:{press,stir}", "INT:1 to 256".
 struct Kind {
   std::string type;
   std::string choices;  ///< "press|stir"; empty: any
@@ -31,7 +31,7 @@ Kind kindOf(const CLI::Option& option) {
   return kind;
 }
 
-/// Options that are called the same are the same in every command.
+/// Returns the metavar of an option; options of one name have the same metavar in every command.
 std::string wordFor(const CLI::Option& option, const Kind& kind) {
   struct Named {
     std::string_view option, word;
@@ -58,7 +58,7 @@ std::string wordFor(const CLI::Option& option, const Kind& kind) {
   return named == kNamed.end() ? kind.type : std::string(named->word);
 }
 
-/// A switch and the one that turns it off need not say that they exclude each other.
+/// Whether options are a flag and its negation, whose mutual exclusion is not printed.
 bool areOpposites(const CLI::Option& a, const CLI::Option& b) {
   const std::string& one = a.get_single_name();
   const std::string& other = b.get_single_name();
@@ -90,7 +90,7 @@ std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
     text.insert(std::min(usual, text.size()), (text.empty() ? "" : ", ") + range);
   }
   if (std::string usual = option->get_default_str(); takes_value && !usual.empty() && !text.ends_with(']')) {
-    if (usual.starts_with('[') && usual.ends_with(']')) {  // several
+    if (usual.starts_with('[') && usual.ends_with(']')) {  // several values
       usual = usual.substr(1, usual.size() - 2);
     }
     text += fmt::format(" [{}]", usual);

@@ -7,8 +7,8 @@
 
 namespace haptolith {
 
-/// Says of every option what its user is to write and what is taken otherwise: "--friction contact|paper", "--threads N
-/// ... 1 to 256 [all]", for CLI11 would say ENUM, TEXT or FLOAT and "=1". An option_text() of an option's own stays.
+/// Prints the valid values and the default of every option: "--friction contact|paper", "--threads N ... 1 to 256
+/// [all]". CLI11 would print ENUM, TEXT or FLOAT and "=1". An option_text() of an option is kept.
 class HelpFormatter final : public CLI::Formatter {
  public:
   std::string make_option_opts(const CLI::Option* option) const override;

@@ -17,7 +17,7 @@ Json histogramJson(const Histogram& h) {
 }
 
 Json histogramJsonWithBuckets(const Histogram& h) {
-  constexpr std::size_t kMerged = 16;  // of 64 to an octave
+  constexpr std::size_t kMerged = 16;  // buckets merged into one, out of 64 per octave
   Json upper_end = Json::array();
   Json count = Json::array();
   std::uint64_t seen = 0;

@@ -6,11 +6,11 @@
 
 namespace haptolith {
 
-/// Mean, percentiles and maximum, for --json.
+/// Returns mean, percentiles and maximum, for --json.
 [[nodiscard]] nlohmann::ordered_json histogramJson(const Histogram& histogram);
 
-/// The same and how the values are spread, for drawing: count[i] of them lie up to upper_end[i], above the one before.
-/// Four buckets to an octave.
+/// As above with buckets for drawing: count[i] is the number of values up to upper_end[i] and above upper_end[i - 1].
+/// Four buckets per octave.
 [[nodiscard]] nlohmann::ordered_json histogramJsonWithBuckets(const Histogram& histogram);
 
 }  // namespace haptolith

@@ -41,7 +41,7 @@ void KeptWork::run(const std::vector<std::size_t>& missing, const std::filesyste
       try {
         piece(missing[i]);
       } catch (...) {
-        gives_up_ = true;  // the others need not go on for minutes
+        gives_up_ = true;  // stops the other pieces, which may take minutes
         throw;
       }
     });

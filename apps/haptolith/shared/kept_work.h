@@ -15,26 +15,26 @@
 
 namespace haptolith {
 
-/// Hours of work in pieces, several at the same time, each of which is kept as soon as it is done. Not for the tick.
+/// Long work in pieces, several in parallel. Each is saved as soon as it is done. Not for the tick.
 class KeptWork {
  public:
-  /// @param lengths_s  seconds that each piece takes on one thread, about; those included that were done before.
-  /// @param threads  to be shared out among the pieces.
+  /// @param lengths_s  approximate duration of each piece on one thread, in s; includes finished pieces.
+  /// @param threads  number of threads, divided among the pieces.
   KeptWork(std::vector<double> lengths_s, int threads, StatusLine& status);
 
-  /// Does each of `missing`; tells first how many are there already.
-  /// @param kept  where what is done lies, for whoever interrupts.
-  /// @throws what a piece throws; Failure when somebody ends it before.
+  /// Runs the pieces `missing`; first prints the number of finished pieces.
+  /// @param kept  location of the results, printed on interruption.
+  /// @throws the exception of a piece; Failure when interrupted.
   void run(const std::vector<std::size_t>& missing, const std::filesystem::path& kept,
            const std::function<void(std::size_t)>& piece);
 
   [[nodiscard]] int threadsEach() const { return threads_each_; }
   [[nodiscard]] bool ends() const;
 
-  /// Of a piece under way: shown as progress of all pieces together, which end where somebody asks for it.
+  /// Returns the progress of a running piece, shown as that of all pieces; cancels them when interrupted.
   [[nodiscard]] LabProgress progressOf(std::size_t index, std::string title);
 
-  /// Calls `keep`, one piece at a time, and prints what it says of the piece, with the time left.
+  /// Calls `keep`, one piece at a time, and prints its text with the remaining time.
   void finish(std::size_t index, const std::function<std::string()>& keep);
 
  private:

@@ -52,7 +52,7 @@ std::vector<std::string> commandsOf(const CLI::App& app) {
   return names;
 }
 
-/// What no command has taken: "unknown option '--duration'; did you mean --duration-s?".
+/// Returns the message for an unknown word: "unknown option '--duration'; did you mean --duration-s?".
 std::string unknownWord(const CLI::App& reached, const std::string& word) {
   if (word.starts_with('-')) {
     std::vector<std::string> options;
@@ -71,7 +71,7 @@ std::string unknownWord(const CLI::App& reached, const std::string& word) {
   return fmt::format("unknown command '{}'{}", word, near.empty() ? ": must be " + listed(commands) : near);
 }
 
-/// What an option's value would have to be, by its type.
+/// Returns the valid values of an option, by its type.
 std::string validFor(const CLI::App& reached, const std::string& option_name) {
   const CLI::Option* option = reached.get_option_no_throw(option_name);
   const std::string type = option == nullptr ? "" : option->get_type_name();
@@ -131,7 +131,7 @@ std::string usageProblem(const CLI::App& reached, const CLI::ParseError& error) 
     if (const auto left = programOf(reached).remaining(true); !left.empty()) {
       return unknownWord(reached, left.front());
     }
-    if (!no_command) {  // "... not expected: 3 --gravity": the last one came first
+    if (!no_command) {  // "... not expected: 3 --gravity": CLI11 reverses the order
       return unknownWord(reached, text.substr(text.rfind(' ') + 1));
     }
     return "a command is missing: must be " + listed(commandsOf(reached));

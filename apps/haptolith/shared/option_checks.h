@@ -13,25 +13,25 @@
 
 namespace haptolith {
 
-// What an option may be. A wrong value is refused in the program's own words, with the value and what would be valid:
-// "--threads: 0 is not valid: must be a whole number, 1 to 256".
+// Validators of options. The error for an invalid value contains the value and the valid range: "--threads: 0 is not
+// valid: must be a whole number, 1 to 256".
 
-/// A finite number in `range`.
+/// Accepts a finite number in `range`.
 [[nodiscard]] CLI::Validator numberIn(const Range& range);
 
-/// A whole number in `range`.
+/// Accepts a whole number in `range`.
 [[nodiscard]] CLI::Validator wholeNumberIn(const Range& range);
 
-/// One of these words.
+/// Accepts one of these words.
 [[nodiscard]] CLI::Validator oneOf(const std::vector<std::string>& words);
 
-/// The name of an output: not `-`, with which other programs mean standard output.
+/// Accepts the name of an output; not `-`, which other programs use for standard output.
 [[nodiscard]] CLI::Validator outputName();
 
-/// What is wrong with `word`: "'dig' is not valid: must be press or stir; did you mean ...?".
+/// Returns the error for `word`: "'dig' is not valid: must be press or stir; did you mean ...?".
 [[nodiscard]] std::string notAmong(const std::vector<std::string>& words, const std::string& word);
 
-/// One of the words of `table`, upper and lower case alike, read as the value that it stands for; for transform().
+/// Converts a word of `table`, in upper or lower case, to its value; for transform().
 template <class Value>
 [[nodiscard]] CLI::Validator wordOf(const std::map<std::string, Value>& table) {
   std::vector<std::string> words;
@@ -44,14 +44,13 @@ template <class Value>
     if (entry == table.end()) {
       return notAmong(words, text);
     }
-    text = std::to_string(static_cast<int>(entry->second));  // CLI11 reads an enumeration's value from its number
+    text = std::to_string(static_cast<int>(entry->second));  // CLI11 parses an enumeration from its number
     return "";
   };
   return {read, CLI::detail::generate_set(words)};
 }
 
-/// What is wrong with the command line, in the program's own words, for an error of CLI11's; `reached` is the command
-/// that the user reached.
+/// Returns the program's message for an error of CLI11; `reached` is the selected command.
 [[nodiscard]] std::string usageProblem(const CLI::App& reached, const CLI::ParseError& error);
 
 }  // namespace haptolith

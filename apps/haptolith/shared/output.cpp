@@ -27,12 +27,12 @@ namespace haptolith {
 
 namespace {
 
-/// Standard error, by a thread that may wait for it. The thread is there while there is something to print.
+/// Writes to standard error on a thread that may block. The thread exists while there is text to print.
 class Posted {
  public:
   ~Posted() { finish(); }
 
-  /// A line takes the place of one before it that still waits.
+  /// Adds text; a line replaces a pending line.
   void post(std::string text, bool is_line) {
     const std::lock_guard lock(mutex_);
     if (is_line && !waiting_.empty() && waiting_.back().is_line) {
@@ -117,7 +117,7 @@ constexpr std::int64_t kUpdateIntervalNs = 100'000'000;
 constexpr std::int64_t kLineIntervalNs = 10'000'000'000;
 constexpr std::string_view kEraseLine = "\r\033[K";
 
-/// As much of a line of UTF-8 as the terminal shows without wrapping it; all of it where no width is known.
+/// Cuts a line of UTF-8 to the width of the terminal; returns all of it if the width is unknown.
 std::string_view cutToTerminal(std::string_view line) {
   winsize size{};
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
@@ -126,7 +126,7 @@ std::string_view cutToTerminal(std::string_view line) {
   int letters = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const bool begins_letter = (static_cast<unsigned char>(line[i]) & 0xC0U) != 0x80U;
-    if (begins_letter && ++letters == size.ws_col) {  // the last column stays free: some terminals wrap behind it
+    if (begins_letter && ++letters == size.ws_col) {  // the last column stays empty: some terminals wrap after it
       return line.substr(0, i);
     }
   }
@@ -150,8 +150,8 @@ void printPosted() noexcept {
 
 namespace {
 
-/// Text comes from files, too: whatever a terminal would obey is shown instead, but for the colours (\033[32m) that we
-/// set ourselves, which do no harm.
+/// Escapes control characters for a terminal, because text may come from files. Colours (\033[32m) are kept; they are
+/// harmless.
 std::string forTerminal(std::string_view text) {
   std::string result;
   while (!text.empty()) {

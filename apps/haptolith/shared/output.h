@@ -10,31 +10,31 @@
 namespace haptolith {
 
 /// Prints one JSON object and a newline. Numbers that are not finite become null.
-/// @throws Failure when standard output does not take it: a full disk, a closed pipe.
+/// @throws Failure if writing to standard output fails: full disk, closed pipe.
 void printJson(const nlohmann::ordered_json& object);
 
-/// Prints `text`; control characters in it, which a terminal would obey, are shown as "\u001b" (newlines, tabs and
-/// colours stay). @throws Failure as printJson().
+/// Prints `text`; control characters are escaped as "\u001b" (newlines, tabs and colours are kept). @throws Failure as
+/// printJson().
 void printText(std::string_view text);
 
-/// Prints `text` on standard error, like printText(), after what post() was given. Nobody can be told when that fails,
-/// so it never does.
+/// Prints `text` on standard error, like printText(), after all text from post(). Errors are ignored, because they
+/// cannot be reported.
 void printNotice(std::string_view text) noexcept;
 
 [[nodiscard]] bool isTerminal(int descriptor) noexcept;
 
-/// Whether to colour what goes to `descriptor`: a terminal, and neither NO_COLOR nor TERM=dumb asks for none.
+/// Whether to colour output to `descriptor`: it is a terminal, without NO_COLOR and TERM=dumb.
 [[nodiscard]] bool isColoured(int descriptor) noexcept;
 
-/// Prints `text` on standard error soon, and does not wait for it: a terminal need not take anything (Ctrl-S, a hung
-/// connection). What comes when 64 KiB wait is left out, and said to be.
+/// Prints `text` on standard error asynchronously, because a terminal may block (Ctrl-S, a hung connection). Text
+/// beyond 64 KiB of pending text is dropped; the drop is reported.
 void post(std::string text);
 
-/// Waits until all that was posted has been printed. The functions that print at once begin with it.
+/// Waits until all posted text has been printed. The synchronous functions call it first.
 void printPosted() noexcept;
 
-/// One line on standard error that is written over and over while something takes long; silent when nobody watches.
-/// The line vanishes with the object. Waits for no terminal. Not for the tick.
+/// Status line on standard error that is updated during long work; silent without a terminal. The destructor removes
+/// it. Does not wait for the terminal. Not for the tick.
 class StatusLine {
  public:
   StatusLine();
@@ -42,11 +42,11 @@ class StatusLine {
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
-  /// Shows `text`, at most ten times a second: calls in between cost one clock reading.
+  /// Shows `text`, at most ten times per second; other calls cost one clock reading.
   void update(std::string_view text);
 
-  /// Tells how far long work is, as `text` makes it up: as update(), and where no terminal watches with a line of its
-  /// own every ten seconds.
+  /// Shows the progress of long work, returned by `text`: as update(), or without a terminal as a separate line every
+  /// 10 s.
   template <class Text>
   void tell(const Text& text) {
     if (visible_) {
@@ -56,10 +56,10 @@ class StatusLine {
     }
   }
 
-  /// Wipes the line, so that other text can follow.
+  /// Clears the line, so that other text can follow.
   void clear();
 
-  /// Whether anybody sees it; saves making up a text for nobody.
+  /// Whether the line is visible; callers can skip creating the text otherwise.
   [[nodiscard]] bool visible() const noexcept { return visible_; }
 
  private:

@@ -16,11 +16,11 @@ namespace haptolith {
 
 namespace {
 
-/// Options that name a file to be written, in all commands.
+/// Options of all commands that name an output file.
 constexpr std::array kOutputs = {"--out", "--soil-out", "--csv", "--trace", "--figure", "--weber-figure", "--record"};
 
-/// @throws CLI::ValidationError when two of them name one file, the second of which would take the place of the first;
-/// and for `-`, with which other programs mean standard output.
+/// Checks output names. @throws CLI::ValidationError if two options name one file, because the second would overwrite
+/// the first; also for `-`, which other programs use for standard output.
 void requireNames(const CLI::App& command) {
   std::map<std::filesystem::path, std::string> named;
   for (const char* name : kOutputs) {

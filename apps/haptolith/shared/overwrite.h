@@ -10,13 +10,13 @@ class App;
 
 namespace haptolith {
 
-/// --overwrite, the option of every command that writes files: without it none replaces a file that is there.
+/// Option --overwrite of every command that writes files; without it existing files are not replaced.
 struct Overwrite {
   bool allowed = false;
 
   void addTo(CLI::App& command);
 
-  /// A file that the command writes.
+  /// Returns an output file of the command.
   [[nodiscard]] OutputFile operator()(const std::string& path) const {
     return {path, allowed ? IfThere::kReplace : IfThere::kRefuse};
   }

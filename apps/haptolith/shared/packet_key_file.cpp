@@ -24,7 +24,7 @@ std::string keyFrom(const std::optional<std::string>& file, const char* variable
   }
   key.resize(static_cast<std::size_t>(stream.gcount()));
   key.erase(std::find_if(key.begin(), key.end(), [](char c) { return c == '\n' || c == '\r'; }), key.end());
-  return key.empty() ? "(empty)" : key;  // a key was asked for
+  return key.empty() ? "(empty)" : key;  // a key was requested
 }
 
 }  // namespace haptolith

@@ -5,8 +5,8 @@
 
 namespace haptolith {
 
-/// A key that packets are signed with, as it stands in a file or, without one, in the environment's variable; empty:
-/// there is none. Never from a scene, which may come from anybody. @throws Failure when the file cannot be read.
+/// Returns the key that signs packets, from a file or, without one, from the environment variable; empty: no key. Never
+/// from a scene, which may be untrusted. @throws Failure if the file cannot be read.
 [[nodiscard]] std::string keyFrom(const std::optional<std::string>& file, const char* variable);
 
 }  // namespace haptolith

@@ -55,7 +55,7 @@ std::string Progress::leftText() const {
 }
 
 std::string Progress::leftAfter(double fraction) const {
-  constexpr double kLeastDone = 0.01, kLeast_s = 2;  // less says nothing about the rest
+  constexpr double kLeastDone = 0.01, kLeast_s = 2;  // less is not sufficient for an estimate
   const double took_s = 1e-9 * static_cast<double>(monotonicNs() - began_ns_);
   const double done = fraction - begun_at_;
   return done < kLeastDone || took_s < kLeast_s || fraction >= 1

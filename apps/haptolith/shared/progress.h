@@ -10,29 +10,29 @@ namespace haptolith {
 
 class StatusLine;
 
-/// "40 s", "12 min", "1.5 h".
+/// Returns "40 s", "12 min", "1.5 h".
 [[nodiscard]] std::string durationText(double seconds);
 
-/// How far long work is: "34 %, about 2 min left: the blade moves". The fraction never goes back. For several threads.
+/// Progress of long work: "34 %, about 2 min left: the blade moves". The fraction never decreases. Thread-safe.
 class Progress {
  public:
-  /// @param begun_at  fraction of the work that was done before.
+  /// @param begun_at  fraction of the work that is already done.
   explicit Progress(StatusLine& status, double begun_at = 0);
 
-  /// The first tell() prints about how long the work takes, unless that is less than half a minute.
-  /// @param thread_s  seconds that one thread would take.
+  /// Sets the expected duration; the first tell() prints it if it is at least half a minute.
+  /// @param thread_s  duration on one thread, in s.
   void expect(double thread_s, int threads);
 
-  /// Shows the fraction of all work that is done, 0 to 1. @return false when the work is to stop.
+  /// Shows the completed fraction of all work, 0 to 1. @return false if the work should stop.
   bool tell(std::string_view what, double fraction);
 
-  /// The same without showing it.
+  /// Sets the fraction without showing it.
   void advance(double fraction);
 
-  /// tell() for a part of the work, whose 0 to 1 is `begin` to `end` of the whole. Valid as long as this.
+  /// Returns tell() for a part of the work, with 0 to 1 mapped to `begin` to `end` of the total. Must not outlive this.
   [[nodiscard]] std::function<bool(std::string_view what, double fraction)> part(double begin, double end);
 
-  /// ", about 2 min left"; empty while that cannot be known.
+  /// Returns ", about 2 min left"; empty without an estimate.
   [[nodiscard]] std::string leftText() const;
 
  private:
@@ -41,7 +41,7 @@ class Progress {
   StatusLine& status_;
   std::int64_t began_ns_;
   double begun_at_, furthest_;
-  std::string expected_;  ///< to be printed
+  std::string expected_;  ///< pending text
   mutable std::mutex mutex_;
 };
 

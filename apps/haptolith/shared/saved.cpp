@@ -23,7 +23,7 @@ std::set<fs::path>& told() {
   return paths;
 }
 
-/// "24 KiB"
+/// Returns "24 KiB".
 std::string sizeText(std::uintmax_t bytes) {
   constexpr double kKiB = 1024;
   const auto size = static_cast<double>(bytes);
@@ -32,10 +32,10 @@ std::string sizeText(std::uintmax_t bytes) {
                               : fmt::format("{:.1f} MiB", size / (kKiB * kKiB));
 }
 
-/// The largest table whose rows are counted: a trace of hours is not read once more for that.
+/// Max. size of a table whose rows are counted; a trace of hours is not read again for that.
 constexpr std::uintmax_t kMostCounted = 16UL << 20;
 
-/// Rows below the heading, and columns; lines that begin with # are remarks.
+/// Returns the numbers of rows below the heading and of columns; lines that begin with # are comments.
 std::string tableText(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;

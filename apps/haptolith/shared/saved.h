@@ -6,11 +6,11 @@
 
 namespace haptolith {
 
-/// "saved NAME: WHAT\n" for each file that the program has written and not yet told of: rows and columns of a table,
-/// the size of anything else. Studies are left out: their commands tell what is in them.
+/// Returns "saved NAME: WHAT\n" for each written file that was not reported yet: rows and columns of a table, the size
+/// of other files. Studies are left out, because their commands report the content.
 [[nodiscard]] std::string savedText();
 
-/// The same for one file of which a command knows more; savedText() leaves it out then.
+/// As above for one file with a description from the command; the function above then leaves it out.
 [[nodiscard]] std::string savedText(const std::filesystem::path& path, std::string_view what);
 
 }  // namespace haptolith

@@ -31,20 +31,20 @@ std::map<std::string, Value> choicesOf(const std::array<SceneWord<Value>, kWords
   return choices;
 }
 
-/// What --hand takes: every manoeuvre but "poses", which has an option of its own.
+/// Returns the values of --hand: every manoeuvre except "poses", which has a separate option.
 std::map<std::string, Manoeuvre> handChoices() {
   auto choices = choicesOf(kManoeuvreWords);
   std::erase_if(choices, [](const auto& choice) { return choice.second == Manoeuvre::kPoses; });
   return choices;
 }
 
-/// How large the mesh is, from which a wrong unit is seen, and what was done to it.
+/// Prints the size of the mesh, which shows a wrong unit, and the changes made to it.
 void tellOfMesh(const SceneFile& scene_file) {
   const ToolMesh& mesh = *scene_file.tool.mesh;
   const Vec3 size_mm = 1e3 * (mesh.field.corners().high_m - mesh.field.corners().low_m);
   spdlog::info("{}: {:.3g} x {:.3g} x {:.3g} mm, walls and corners to {:.2g} mm", scene_file.mesh.name, size_mm.x(),
                size_mm.y(), size_mm.z(), 1e3 * mesh.field.spacing());
-  constexpr std::size_t kMostRecordedBytes = kLongestHeaderText / 10 * 7;  // it is in the scene's text in base64
+  constexpr std::size_t kMostRecordedBytes = kLongestHeaderText / 10 * 7;  // the scene's text contains it in base64
   if (scene_file.mesh.bytes->size() > kMostRecordedBytes) {
     spdlog::warn("{}: a file of more than {} kB: it cannot be recorded", scene_file.mesh.name,
                  kMostRecordedBytes / 1000);
@@ -153,7 +153,7 @@ SceneFile sceneFileFor(const SceneOptions& options) {
   bed.seed = options.seed.value_or(bed.seed);
   options.device.applyTo(scene_file.device);
   retitle(scene_file, before);
-  // A title that the user wrote stays.
+  // A title from the user is kept.
   const std::vector<std::string> built_in = sceneNames();
   const bool titled =
       std::ranges::any_of(options.overrides, [](std::string_view text) { return text.starts_with("title"); }) ||

@@ -17,23 +17,23 @@ namespace haptolith {
 
 class StatusLine;
 
-/// Which device holds the tool, as the command line says it.
+/// Options for the device that holds the tool.
 struct DeviceOptions {
   std::optional<DeviceKind> kind;
   std::optional<std::string> id, library, address, key_file;
   bool insecure = false;
 
-  /// @return the option that names the device.
+  /// Adds the options. @return the option that names the device.
   CLI::Option* addTo(CLI::App& command);
-  /// @throws InvalidParameter, Failure when a key that it wants cannot be read.
+  /// Applies the options. @throws InvalidParameter, Failure if a required key cannot be read.
   void applyTo(DeviceParameters& device) const;
 };
 
-/// Which scene, as the command line says it; everything else comes from the scene file.
+/// Options for the scene; everything else comes from the scene file.
 struct SceneOptions {
   std::string name_or_file;
-  std::string usual = "regolith";      ///< what opens when no scene is named
-  std::vector<std::string> overrides;  ///< keys of the scene file, each "table.key=value"
+  std::string usual = "regolith";      ///< default scene
+  std::vector<std::string> overrides;  ///< overrides of scene keys, each "table.key=value"
   std::optional<std::string> preset, soil, body, poses_file;
   std::optional<FrictionModel> friction;
   std::optional<Manoeuvre> manoeuvre;
@@ -42,16 +42,16 @@ struct SceneOptions {
   DeviceOptions device;
 
   void addTo(CLI::App& command);
-  /// Name or file of the scene that opens: the paper's soils are made for its scene.
+  /// Returns the name or file of the scene; the icra2021 soils require the icra2021 scene.
   [[nodiscard]] std::string scene() const;
 };
 
-/// The scene that the options ask for, with a warning for each key of its file that has no effect; not yet checked by
-/// validate(), since a command may still change it.
+/// Returns the scene of the options, with a warning for each key of its file without effect. It is not yet checked by
+/// validate(), because a command may still change it.
 /// @throws InvalidParameter, Failure: as findSceneFile(), changePreset(), changeSoil() and changeBody().
 [[nodiscard]] SceneFile sceneFileFor(const SceneOptions& options);
 
-/// Shows in `status` how the bed of a new scene settles; a signal ends it.
+/// Shows the progress of settling a new scene in `status`; a signal ends it.
 [[nodiscard]] SettleProgress settlingIn(StatusLine& status);
 
 }  // namespace haptolith

@@ -15,33 +15,32 @@
 
 namespace haptolith {
 
-/// The recording of a command, which warns on standard error.
+/// Returns the recording of a command, with warnings on standard error.
 [[nodiscard]] SessionRecording recordingFor(double frames_per_s, bool robot = false);
 
-/// What the main thread does again and again while a session's loop runs on its own: what pages ask for, what is new in
-/// the scene, in the recording, on the pages and, when the hand was let go, on standard error.
+/// Main-thread driver of a session while its loop runs on another thread. It handles requests of pages, and passes news
+/// to the scene, the recording and the pages; safety trips are printed on standard error.
 class SessionDriver {
  public:
-  /// What has happened since the look before.
+  /// Events since the previous update.
   struct News {
-    std::vector<TickRecord> ticks;  ///< that were recorded; none without a RecordTaker that keeps them
-    bool snapshot = false;          ///< Session::snapshot() is newer
-    bool scene = false;             ///< another scene, or other settings
-    std::string trip;               ///< why the hand was let go; empty: it was not
+    std::vector<TickRecord> ticks;  ///< recorded ticks; empty without a RecordTaker that keeps them
+    bool snapshot = false;          ///< whether Session::snapshot() is newer
+    bool scene = false;             ///< whether the scene or its settings have changed
+    std::string trip;               ///< cause of a safety trip; empty: none
   };
 
-  /// @param view, records  may be absent.
+  /// @param view, records  may be null.
   SessionDriver(Session& session, SessionRecording& recording, StatusLine& status, LiveView* view, RecordTaker* records)
       : session_(session), recording_(recording), status_(status), view_(view), records_(records) {}
 
-  /// Looks, lets `follow` see what is new, shows it and sleeps, again and again: until the loop has ended, or `follow`
-  /// returns false.
+  /// Repeats look(), `follow` with the news, display and sleep, until the loop has ended or `follow` returns false.
   void run(const std::function<bool(const News&)>& follow, std::chrono::milliseconds between);
 
-  /// One look; the last one after the loop has ended. Valid until the next.
+  /// Updates once; for the last time after the loop has ended. The result is valid until the next call.
   const News& look();
 
-  /// Warns of what was not told when it happened.
+  /// Prints pending warnings.
   void tellTheRest();
 
  private:
@@ -53,7 +52,7 @@ class SessionDriver {
   LiveView* const view_;
   RecordTaker* const records_;
   TripFiles trips_;
-  std::size_t input_warnings_ = 0;  ///< of the device, printed so far
+  std::size_t input_warnings_ = 0;  ///< number of the device's warnings printed so far
   News news_;
 };
 

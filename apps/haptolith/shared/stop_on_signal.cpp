@@ -5,7 +5,7 @@
 namespace haptolith {
 
 StopOnSignal::StopOnSignal() {
-  stopAsked() = false;  // made before a signal can come, as well
+  stopAsked() = false;  // also creates the flag before a signal can arrive
   struct sigaction action {};
   action.sa_handler = [](int) { stopAsked() = true; };
   sigaction(SIGINT, &action, nullptr);

@@ -4,8 +4,8 @@
 
 namespace haptolith {
 
-/// From here on Ctrl-C, SIGTERM and SIGHUP (a closed terminal, unless nohup has started the program) end the work in
-/// good order, however often they come: they set stopAsked().
+/// Signal handler for a clean stop: from its construction Ctrl-C, SIGTERM and SIGHUP (a closed terminal, unless started
+/// by nohup) set stopAsked(), also repeatedly.
 class StopOnSignal {
  public:
   StopOnSignal();

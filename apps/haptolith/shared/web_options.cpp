@@ -25,7 +25,7 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-/// The first line of a file, which may be a pipe.
+/// Returns the first line of a file, which may be a pipe.
 std::string firstLine(const std::string& name) {
   std::ifstream file(name);
   std::string line(kLongestToken + 2, '\0');

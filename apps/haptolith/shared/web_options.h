@@ -13,29 +13,30 @@ class App;
 
 namespace haptolith {
 
-/// The entrances of a study (WebOptions::forStudy).
+/// Entrances of a study (WebOptions::forStudy).
 inline constexpr std::size_t kParticipants = 0, kExperimenters = 1;
 
-/// Who may come to the page, and from where.
+/// Options for access to the page.
 struct WebOptions {
   std::string bind = WebServerOptions{}.bind;
-  std::optional<std::uint16_t> port;  ///< left out: 8080, or the next that is free
+  std::optional<std::uint16_t> port;  ///< empty: 8080, or the next free one
   std::string token, token_file, participant_token;
   bool read_only = false;
 
-  /// What to tell when the page is at another port than the usual one; empty when it is not.
+  /// Returns the message for a page at another port than the default; otherwise empty.
   [[nodiscard]] std::string portNotice(std::uint16_t port_served) const;
 
-  /// --port, --bind, --token, --token-file and --read-only.
+  /// Adds --port, --bind, --token, --token-file and --read-only.
   void addToRun(CLI::App& command);
-  /// The same without --read-only, and --participant-token.
+  /// As above without --read-only, with --participant-token.
   void addToStudy(CLI::App& command);
 
-  /// For a page that everybody shares: with a token where one is given, or needed because other machines can connect.
-  /// @throws InvalidParameter as validate(), and for a token that is too short; Failure when its file cannot be read.
+  /// Returns options for a page shared by all clients, with a token if one is given, or required because other machines
+  /// can connect. @throws InvalidParameter as validate(), and for a token that is too short; Failure if its file cannot
+  /// be read.
   [[nodiscard]] WebServerOptions forAll() const;
-  /// For the two pages of a study, which need a token each, on this machine too: the participant's browser is on the
-  /// same one, is not told what is shown, and can never act as the experimenter. @throws as forAll().
+  /// Returns options for the two pages of a study. Each needs a token, even on this machine, where the participant's
+  /// browser also runs: it does not receive the conditions and cannot act as the experimenter. @throws as forAll().
   [[nodiscard]] WebServerOptions forStudy() const;
 
  private:

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kFigureCmPerM = 100;
 
-// From Okabe and Ito's colours, which the colour-blind can tell apart.
+// From Okabe and Ito's colours, which colour-blind readers can discriminate.
 constexpr std::array<std::string_view, 6> kPresetColours{"#d55e00", "#e69f00", "#009e73",
                                                          "#56b4e9", "#0072b2", "#cc79a7"};
 
@@ -33,7 +33,7 @@ Rows rowsOf(const std::vector<Layer>& layers) {
   return rows;
 }
 
-/// Adds the curves of one figure and remembers gnuplot's plot clauses in their order.
+/// Adds the curves of one figure and collects gnuplot's plot clauses in order.
 class Curves {
  public:
   explicit Curves(Figure& figure) : figure_(figure) {}
@@ -44,7 +44,7 @@ class Curves {
     plot_ += fmt::format("{}${} {}", plot_.empty() ? "plot " : ", \\\n     ", name, how);
   }
 
-  /// A curve of layers; soil that cannot carry its own weight shows up in the legend only.
+  /// Adds a curve of layers; soil that cannot carry its weight is only in the legend.
   template <class MakeLayers>
   void addLayers(MakeLayers make_layers, const std::string& title, std::string_view line) {
     try {

@@ -56,7 +56,7 @@ void printSoilsJson() {
   printJson(Json{{"soils", rows}});
 }
 
-/// The first letters of a text, without half a letter of UTF-8.
+/// Returns the first characters of a text, without a partial UTF-8 character.
 std::string beginningOf(const std::string& text, std::size_t letters) {
   std::size_t end = 0;
   for (; end < text.size(); ++end) {
@@ -69,7 +69,7 @@ std::string beginningOf(const std::string& text, std::size_t letters) {
 }
 
 void printSoilsText() {
-  constexpr std::size_t kSourceLetters = 44;  // so that lines have 100
+  constexpr std::size_t kSourceLetters = 44;  // for lines of 100 characters
   fmt::print("Soils with a name, as they were measured; all of one: haptolith soil show NAME\n\n");
   fmt::print("                        density    angle   cohesion\n");
   fmt::print("                          kg/m³        °         Pa   source\n");

@@ -45,7 +45,7 @@ double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-// --- Where the soil lies, and of how large particles: options that profile and calibrate share ----------------------
+// --- Conditions of the soil: common options of profile and calibrate ------------------------------------------------
 
 struct Conditions {
   std::optional<std::string> body_given;
@@ -101,7 +101,7 @@ void printParameters(const SoilParameters& soil) {
 struct Band {
   MeasuredBand measured;
   double density_kg_m3 = 0;
-  double paper_kg_m3 = kInfinity;  ///< infinite: the paper has no value for this soil
+  double paper_kg_m3 = kInfinity;  ///< infinite: no value in the paper for this soil
 };
 
 std::vector<Band> bandsOf(const std::vector<Layer>& layers) {
@@ -152,8 +152,8 @@ struct ProfileOptions {
 
 constexpr const char* kCustomSoil = "--gamma-nm, --rho0-kg-m3, --rho-max-kg-m3 and --mu-hat";
 
-/// The analysis is of layers as the paper's friction lets them lie; grains that rub on each other lie less densely, and
-/// no formula says how.
+/// Throws for contact friction. The analysis holds for layers with the friction of the icra2021 model; particles with
+/// contact friction are packed less densely, and there is no formula for it.
 [[noreturn]] void refuseToAnalyse(const std::string& name, const std::string& name_or_file) {
   throw InvalidParameter(
       "soil", inQuotes(name),
@@ -171,7 +171,7 @@ SoilParameters namedSoil(const std::string& name_or_file) {
 }
 
 SoilParameters soilOf(const ProfileOptions& options) {
-  requireInRange("radius_mm", options.conditions.radius_mm, {0.01, 1000});  // the library's range, in the user's unit
+  requireInRange("radius_mm", options.conditions.radius_mm, {0.01, 1000});  // range of the library, in the user's unit
   SoilParameters soil;
   if (options.preset) {
     soil = rescaled(findPreset(*options.preset).soil, options.conditions.radius());
@@ -190,7 +190,7 @@ SoilParameters soilOf(const ProfileOptions& options) {
   return soil;
 }
 
-/// Everything `soil profile` tells about a soil.
+/// Content of the output of `soil profile`.
 struct Profile {
   SoilParameters soil;
   std::string preset;
@@ -208,7 +208,7 @@ Profile makeProfile(const ProfileOptions& options) {
   profile.friction_coefficient = frictionCoefficient(profile.soil.mu_hat);
   try {
     profile.cohesion_pa = cohesion(profile.soil);
-  } catch (const InvalidParameter&) {  // the soil is valid, layersToDepth() took it
+  } catch (const InvalidParameter&) {  // the soil is valid because layersToDepth() accepted it
   }
   if (options.preset) {
     const Preset& preset = findPreset(*options.preset);
@@ -265,7 +265,7 @@ void printProfileText(const Profile& profile, const Conditions& conditions) {
   printLayers(profile.layers);
 }
 
-/// --soil takes presets too, as everywhere.
+/// Whether --soil is a preset, as in all commands.
 bool isPreset(const std::string& name) {
   return std::ranges::any_of(presets(), [&](const Preset& preset) {
     return CLI::detail::to_lower(std::string(preset.name)) == CLI::detail::to_lower(name);
@@ -344,7 +344,7 @@ void printCalibrationText(const Calibration& result, const std::vector<Band>& ba
 
 void runCalibrate(const CalibrateOptions& options) {
   const Conditions& conditions = options.conditions;
-  // Ranges of the library are in m; here the user gave mm.
+  // Ranges of the library are in m, those of the user in mm.
   requireInRange("radius_mm", conditions.radius_mm, {0.5, 20});
   const Calibration result = calibrate({.friction_coefficient = options.friction_coefficient,
                                         .cohesion_pa = options.cohesion_pa,
@@ -375,7 +375,7 @@ void addCalibratePaper(CLI::App& soil) {
       "  haptolith soil calibrate-paper --friction-coefficient 0.7 --cohesion-pa 500 --body Mars --radius-mm 3 --json\n"
       "For a soil that was measured: haptolith lab calibrate");
   command->callback([options] { runCalibrate(*options); });
-  CLI::App* calibrate = soil.add_subcommand("calibrate")->group("")->allow_extras();  // in no help and no completion
+  CLI::App* calibrate = soil.add_subcommand("calibrate")->group("")->allow_extras();  // hidden in help and completion
   calibrate->callback([] {
     throw CLI::ValidationError("soil calibrate",
                                "choose 'haptolith lab calibrate' for soil that was measured, or 'haptolith soil "

@@ -17,10 +17,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kWide = 3;            // high over low end of an interval that hardly bounds anything
-constexpr double kDoubtful = 1.0 / 3;  // Bayes factor of people alike below which they are said to differ
+constexpr double kWide = 3;            // high over low end of an uninformative interval
+constexpr double kDoubtful = 1.0 / 3;  // Bayes factor for equal participants below which a difference is reported
 
-/// Least and largest JND, as shares of the reference, that the levels show: to the nearest and to the farthest.
+/// Returns min. and max. JND that the levels can show, over the reference: distances to the nearest and farthest level.
 std::optional<Interval> weberFractionsShownBy(const StudyBlock& block) {
   std::optional<Interval> shown;
   for (const Stimulus& level : block.levels) {
@@ -33,7 +33,7 @@ std::optional<Interval> weberFractionsShownBy(const StudyBlock& block) {
   return shown ? std::optional(Interval{std::expm1(shown->low), std::expm1(shown->high)}) : std::nullopt;
 }
 
-/// What to beware of in a block's numbers.
+/// Returns warnings about a block's numbers.
 std::vector<std::string> remarksOn(const BlockResult& result) {
   std::vector<std::string> remarks;
   const Fit& fit = result.headline();
@@ -84,7 +84,7 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
   return remarks;
 }
 
-/// Of each person the one and the other result. @param in_both  how many have both.
+/// Pairs the results of each participant. @param in_both  number of participants with both.
 std::vector<UnderBoth> pairedPeople(const BlockResult& first, const BlockResult& second, std::size_t& in_both) {
   std::vector<UnderBoth> people;
   for (std::size_t i = 0; i < first.codes.size(); ++i) {
@@ -124,7 +124,7 @@ std::optional<Difference> differenceOf(const BlockResult& first, const BlockResu
   return difference;
 }
 
-/// The results of one group, in the order of its blocks; of everybody where there are no groups.
+/// Returns the results of one group, in the order of its blocks; without groups those of all participants.
 std::vector<const BlockResult*> resultsIn(const std::vector<BlockResult>& results, const ParticipantGroup* people) {
   std::vector<const BlockResult*> own;
   for (const BlockResult& result : results) {
@@ -140,8 +140,8 @@ std::vector<const BlockResult*> resultsIn(const std::vector<BlockResult>& result
   return own;
 }
 
-/// What two groups are compared in: each block that both go through, and of the others the first with the first, the
-/// second with the second and so on.
+/// Returns the pairs of blocks in which two groups are compared: each common block, and the others in order, the first
+/// with the first and so on.
 std::vector<std::pair<const BlockResult*, const BlockResult*>> comparable(std::vector<const BlockResult*> first,
                                                                           std::vector<const BlockResult*> second) {
   std::vector<std::pair<const BlockResult*, const BlockResult*>> pairs;

@@ -15,42 +15,42 @@
 
 namespace haptolith {
 
-/// Curves fitted to the answers in one block of a study.
+/// Curves fitted to the responses in one block of a study.
 struct BlockResult {
   const StudyBlock* block = nullptr;
-  std::size_t index = 0;                     ///< of the block in the protocol
-  const ParticipantGroup* people = nullptr;  ///< whose answers these are; none: everybody's
+  std::size_t index = 0;                     ///< index of the block in the protocol
+  const ParticipantGroup* people = nullptr;  ///< group of the responses; null: all participants
   std::vector<std::string> codes;
   std::vector<std::vector<Level>> levels;
-  std::optional<GroupFit> group;  ///< of several participants
-  std::optional<Fit> pooled;      ///< all answers as of one person: of a single participant, or when it is asked for
+  std::optional<GroupFit> group;  ///< fit to several participants
+  std::optional<Fit> pooled;      ///< fit to pooled responses: for a single participant, or on request
   std::optional<double> caught;
 
-  /// "friction", or "friction of group seen".
+  /// Returns "friction", or "friction of group seen".
   [[nodiscard]] std::string name() const {
     return block->name + (people == nullptr ? "" : fmt::format(" of group {}", people->name));
   }
   [[nodiscard]] const Fit& headline() const { return group ? group->median_person : *pooled; }
 };
 
-/// What changes from one block to another within people, or from one group of people to another.
+/// Change from one block to another within participants, or from one group of participants to another.
 struct Difference {
   const BlockResult* first = nullptr;
   const BlockResult* second = nullptr;
-  std::optional<std::size_t> in_both = {};  ///< people; none: between groups
+  std::optional<std::size_t> in_both = {};  ///< number of participants; empty: between groups
   Change scale = {};
-  std::optional<Change> threshold = {};  ///< of thresholds as shares of their references
+  std::optional<Change> threshold = {};  ///< change of thresholds over their references
 };
 
-/// Compares within people the first block with each other one, and each group with each that follows it.
+/// Compares the first block with each other one within participants, and each group with each later one.
 [[nodiscard]] std::vector<Difference> differencesOf(const std::vector<BlockResult>& results,
                                                     const StudyProtocol& protocol, double confidence);
 
-/// As text for a terminal.
+/// Returns text for a terminal.
 [[nodiscard]] std::string text(const BlockResult& result);
 [[nodiscard]] std::string text(const Difference& difference, double confidence);
 
-/// As objects of `--json`.
+/// Returns an object for `--json`.
 [[nodiscard]] nlohmann::ordered_json jsonOf(const BlockResult& result);
 [[nodiscard]] nlohmann::ordered_json jsonOf(const Difference& difference);
 

@@ -25,7 +25,7 @@ std::string_view wordsFor(FitMethod method) {
   return "most probable";
 }
 
-/// 0 for what is left of 0 by rounding, where the interval goes through 0; small numbers of one sign are kept.
+/// Rounds to 0 a value that is a rounding error, if the interval includes 0; small numbers of one sign are kept.
 double rounded(double value, const Interval& interval) {
   constexpr double kRounding = 1e-12;
   const bool is_rounding =
@@ -42,7 +42,7 @@ std::string intervalText(const Interval& interval) {
              : fmt::format("{:.4g} to {:.4g}", rounded(interval.low, interval), rounded(interval.high, interval));
 }
 
-/// @param note  unless the estimate is unknown or outside its interval.
+/// Formats an estimate. @param note  printed unless the estimate is unknown or outside its interval.
 std::string line(std::string_view name, const Estimate& estimate, std::string_view note = "") {
   if (std::isnan(estimate.value)) {
     return fmt::format("  {:<16} {:>9}   {:<22} none where the threshold may be 0 or less\n", name, "-", "");
@@ -54,7 +54,7 @@ std::string line(std::string_view name, const Estimate& estimate, std::string_vi
                      intervalText(estimate.interval), note);
 }
 
-/// How well the function fits, and what speaks against it.
+/// Returns the goodness of fit, and doubts.
 std::string judgementOf(const Fit& fit) {
   std::string text = fmt::format("\n  deviance {:.4g}", fit.deviance);
   const bool is_simulated = !std::isnan(fit.p_value);
@@ -221,7 +221,7 @@ std::string changesText(const std::string& heading, const Change& scale, const s
 }
 
 std::string bayesFactorText(double factor) {
-  constexpr double kLeast = 1e-6;  // what the sums over grids resolve
+  constexpr double kLeast = 1e-6;  // resolution of the sums over grids
   return factor < kLeast ? fmt::format("below {:g}", kLeast) : fmt::format("{:.2g}", factor);
 }
 

@@ -12,25 +12,25 @@
 
 namespace haptolith {
 
-/// The person in the middle, the spread between people, and each participant within the group and alone.
-/// @param names  of the participants, in their order.
+/// Returns the median participant, the spread between participants, and each participant within the group and alone.
+/// @param names  names of the participants, in their order.
 [[nodiscard]] nlohmann::ordered_json groupJson(const GroupFit& group, const std::vector<std::string>& names);
 
-/// A fit for people: a table of estimates and how well it fits.
+/// Returns a fit as text: a table of estimates, and goodness of fit.
 [[nodiscard]] std::string fitText(const Fit& fit);
 
-/// The same for people: the person in the middle and the spread, then a line for each participant.
+/// Returns a group as text: the median participant and the spread, then one line per participant.
 [[nodiscard]] std::string groupText(const GroupFit& group, const std::vector<std::string>& names);
 
-/// How Weber fractions, and PSEs as shares of their references, change: ratios, their intervals and Bayes factors.
+/// Returns changes of Weber fractions, and of PSEs over their references: ratios, their intervals and Bayes factors.
 [[nodiscard]] nlohmann::ordered_json changesJson(const Change& scale, const std::optional<Change>& threshold);
 [[nodiscard]] std::string changesText(const std::string& heading, const Change& scale,
                                       const std::optional<Change>& threshold, double confidence);
 
-/// "0.31"; "below 1e-06" for what is smaller than grids resolve.
+/// Returns "0.31"; "below 1e-06" below the resolution of the grids.
 [[nodiscard]] std::string bayesFactorText(double factor);
 
-/// Several fits to the same answers, best first, for people.
+/// Returns several fits to the same responses as text, best first.
 [[nodiscard]] std::string comparisonText(const std::vector<Fit>& fits);
 
 }  // namespace haptolith

@@ -6,8 +6,8 @@
 
 namespace haptolith {
 
-/// Lets a command set how often simulated people lapse: `--lapse`, the asymptotes as `study fit` calls them, or
-/// `--blind`, the share of answers given without attending, of which half are right by chance.
+/// Adds options for the lapses of simulated participants: `--lapse`, the asymptotes as in `study fit`, or `--blind`,
+/// the fraction of responses without attention, half of which are correct by chance.
 inline void addLapseOptions(CLI::App& command, double& lapse) {
   CLI::Option* asymptote =
       command.add_option("--lapse", lapse, "How far psi stays away from 0 and from 1, as in study fit [0]")

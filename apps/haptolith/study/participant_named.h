@@ -6,7 +6,7 @@
 
 namespace haptolith {
 
-/// The participant with that code. @throws InvalidParameter that lists all codes when there is none.
+/// Returns the participant with that code. @throws InvalidParameter with all codes for an unknown code.
 [[nodiscard]] ParticipantRow participantNamed(const StudyStore& study, std::string_view code);
 
 }  // namespace haptolith

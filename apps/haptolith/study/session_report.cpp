@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Sessions that were run alike.
+/// Sessions under equal conditions.
 struct Alike {
   std::size_t sessions = 0, unfinished = 0;
   SessionCounts counts = {};

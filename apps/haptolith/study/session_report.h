@@ -8,16 +8,16 @@
 
 namespace haptolith {
 
-/// What ran the study, for a person: sessions of one kind by one program on one machine in one line. Empty: none did.
+/// Returns the sessions of a study as text: one line per kind, program and machine. Empty without sessions.
 [[nodiscard]] std::string sessionsText(const StudyStore& study);
 
-/// Every session of a participant.
+/// Returns every session of a participant.
 [[nodiscard]] nlohmann::ordered_json sessionsJson(const StudyStore& study, const ParticipantRow& participant);
 
-/// What a participant has agreed to; null: nothing.
+/// Returns the consent of a participant; null without any.
 [[nodiscard]] nlohmann::ordered_json consentJson(const StudyStore& study, const ParticipantRow& participant);
 
-/// Removals that were begun and not finished; empty: none was.
+/// Returns removals that were not finished; empty without any.
 [[nodiscard]] std::string pendingText(const StudyStore& study);
 
 }  // namespace haptolith

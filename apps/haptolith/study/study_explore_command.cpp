@@ -47,7 +47,7 @@ struct ExploreOptions {
   PerceiveOptions perceive;
   std::string block = "both", friction = "both", hand = "all";
   std::string csv_file, figure_file, weber_figure_file;
-  std::vector<std::string> protocols;  ///< empty: the paper's stimuli
+  std::vector<std::string> protocols;  ///< empty: the stimuli of icra2021
   Overwrite overwrite;
   bool json = false;
 };
@@ -173,7 +173,7 @@ void saveCsv(const ExploreOptions& options, const PerceptionOptions& wanted,
   file.commit();
 }
 
-/// The first block of a protocol: those of one task differ in what is seen, not in the soils.
+/// Runs the first block of each protocol: blocks of one task differ in the visual cues, not in the soils.
 void runTasks(const ExploreOptions& options) {
   const StopOnSignal stop_on_signal;
   const PerceptionOptions wanted = perceptionOf(options);
@@ -182,7 +182,7 @@ void runTasks(const ExploreOptions& options) {
                                  .seed = wanted.seed,
                                  .threads = wanted.threads,
                                  .perceive = options.perceive};
-  std::vector<std::pair<std::string, StudyProtocol>> protocols;  // all of them, before minutes go into the first
+  std::vector<std::pair<std::string, StudyProtocol>> protocols;  // all are loaded before the first one takes minutes
   for (const std::string& name : options.protocols) {
     const ProtocolText source = findProtocol(name);
     protocols.emplace_back(source.name, loadProtocolText(source.text, source.name));

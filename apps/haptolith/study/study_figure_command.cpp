@@ -80,7 +80,7 @@ void fitTo(BlockResult& result, const FigureOptions& options) {
   }
 }
 
-/// None when nobody has answered yet.
+/// Returns the result; empty without responses.
 std::optional<BlockResult> resultOf(const FigureOptions& options, const StudyStore& study, std::size_t index,
                                     const ParticipantGroup* people) {
   BlockResult result;
@@ -107,7 +107,7 @@ std::optional<BlockResult> resultOf(const FigureOptions& options, const StudySto
   return result;
 }
 
-/// "figure.svg", or "figure-work.svg" where there are curves, too.
+/// Returns "figure.svg", or "figure-work.svg" if there are also curves.
 OutputFile workFileFor(const FigureOptions& options, bool alone) {
   std::filesystem::path file = options.out;
   if (!alone) {
@@ -116,7 +116,7 @@ OutputFile workFileFor(const FigureOptions& options, bool alone) {
   return options.overwrite(file.string());
 }
 
-/// "figure.svg", or "figure-friction.svg" where there are several blocks, "figure-friction-seen.svg" of a group.
+/// Returns "figure.svg", or "figure-friction.svg" for several blocks, "figure-friction-seen.svg" for a group.
 OutputFile fileFor(const FigureOptions& options, const BlockResult& result, bool several) {
   std::filesystem::path file = options.out;
   if (several) {
@@ -184,7 +184,7 @@ std::vector<BlockResult> resultsOf(const FigureOptions& options, const StudyStor
 void show(const FigureOptions& options) {
   const StopOnSignal stop_on_signal;
   if (options.sigmoid) {
-    (void)sigmoidNamed(*options.sigmoid);  // throws, whatever the study holds
+    (void)sigmoidNamed(*options.sigmoid);  // throws independently of the study's content
   }
   const StudyStore study(options.file, StudyStore::Access::kRead);
   const std::vector<BlockResult> results = resultsOf(options, study);

@@ -49,7 +49,7 @@ struct FitCommandOptions {
   std::string x_label = "x";
 };
 
-/// The people of one block.
+/// Returns the participants of one block.
 std::vector<AnswersOf> answersOf(const FitCommandOptions& options) {
   Answers answers = readAnswersFile(options.data, options.pool_tolerance);
   for (const std::string& warning : answers.warnings) {
@@ -74,11 +74,11 @@ std::vector<AnswersOf> answersOf(const FitCommandOptions& options) {
   return all;
 }
 
-/// The sigmoids to compare with the wanted one: on its axis, and Weibull where there is a logarithm.
+/// Returns the sigmoids to compare with the wanted one: on its axis, and Weibull if there is a logarithm.
 std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Level>& levels) {
   std::vector<Sigmoid> sigmoids{Sigmoid::kNorm, Sigmoid::kLogistic, Sigmoid::kStudent, Sigmoid::kReversedGumbel};
   if (!wanted.log_axis) {
-    sigmoids.push_back(Sigmoid::kGumbel);  // on a logarithmic axis it is Weibull's
+    sigmoids.push_back(Sigmoid::kGumbel);  // on a logarithmic axis it is Weibull
   }
   if (levels.front().x > 0) {
     sigmoids.push_back(Sigmoid::kWeibull);
@@ -89,7 +89,7 @@ std::vector<Sigmoid> comparable(const FitOptions& wanted, const std::vector<Leve
   return sigmoids;
 }
 
-/// The answers of all participants as if they were of one person.
+/// Pools the responses of all participants.
 std::vector<Level> pooledAnswers(const std::vector<std::vector<Level>>& participants, double tolerance) {
   if (tolerance == 0 || participants.size() == 1) {
     return pooled(participants);
@@ -101,23 +101,23 @@ std::vector<Level> pooledAnswers(const std::vector<std::vector<Level>>& particip
   return pooledWithin(all, tolerance);
 }
 
-/// The people of one group, fitted.
+/// Fit to the participants of one group.
 struct GroupResult {
   std::string name;
   std::vector<std::string> people;
   GroupFit fit;
 };
 
-/// What the command found.
+/// Result of the command.
 struct Result {
   Fit fit;
   std::optional<GroupFit> group;
-  std::vector<GroupResult> groups;  ///< of people, where they are to be compared
+  std::vector<GroupResult> groups;  ///< groups of participants, for a comparison
   std::vector<Fit> comparison;
   std::vector<std::string> names;
 };
 
-/// Each group of people by itself, in the order in which the table has them.
+/// Fits each group of participants separately, in the order of the table.
 std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const FitOptions& options) {
   std::vector<GroupResult> groups;
   std::vector<std::vector<std::vector<Level>>> levels;
@@ -144,7 +144,7 @@ std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const 
   return groups;
 }
 
-/// Ratios are told of Weber fractions alone.
+/// Reports ratios, for Weber fractions only.
 template <class Tell>
 void tellDifferences(const std::vector<GroupResult>& groups, double confidence, Tell tell) {
   for (std::size_t first = 0; first < groups.size(); ++first) {

@@ -32,7 +32,7 @@ struct ForgetOptions {
   bool personal = false, keep_recordings = false;
 };
 
-/// When somebody with that code, whom the study does not have any more, was removed; empty: nobody was.
+/// Returns the time at which a participant with that code was removed; empty if none was.
 std::string removedBefore(const StudyStore& study, const std::string& code) {
   const std::vector<ParticipantRow> participants = study.participants();
   const bool is_there = std::ranges::find(participants, code, &ParticipantRow::code) != participants.end();

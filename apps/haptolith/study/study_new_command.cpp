@@ -36,7 +36,7 @@ struct NewOptions {
   std::optional<std::uint64_t> seed;
 };
 
-/// Below 2^53, so that tables and JSON keep it exactly.
+/// Returns a random seed below 2^53, which tables and JSON represent exactly.
 std::uint64_t drawnSeed() {
   std::random_device device;
   return ((std::uint64_t{device()} << 32) | device()) >> 11;
@@ -75,7 +75,7 @@ std::string summaryOf(const StudyProtocol& protocol) {
 void makeStudy(const NewOptions& options) {
   const ProtocolText text = findProtocol(options.protocol);
   const StudyProtocol protocol = loadProtocolText(text.text, text.name);
-  // The built-in ones are examples, good for a trial run.
+  // The built-in ones are examples for a trial run.
   const std::vector<std::string_view> names = protocolNames();
   const bool built_in = std::ranges::find(names, text.name) != names.end();
   if (!built_in) {

@@ -46,8 +46,8 @@ struct PlanOptions {
   PlanParameters parameters;
   Overwrite overwrite;
   bool json = false;
-  bool search = false;  ///< for the least number of participants
-  double power = 0.8;   ///< that is searched for
+  bool search = false;  ///< whether to search for the min. number of participants
+  double power = 0.8;   ///< required power of the search
 };
 
 StudyBlock blockOf(const PlanOptions& options) {
@@ -91,7 +91,7 @@ std::string tableText(const PlanOptions& options, const StudyBlock& block, const
   return table;
 }
 
-/// The least number of participants among those that were tried.
+/// Returns the min. number of participants among those that were tried.
 std::string searchText(const PlanOptions& options, const std::vector<PlanOutcome>& outcomes) {
   std::string text = "\n";
   for (const int repeats : options.repeats) {
@@ -131,12 +131,12 @@ Json jsonOf(const PlanOptions& options, const StudyBlock& block, const std::vect
           {"sizes", std::move(rows)}};
 }
 
-/// How well a study of each size tells, over the number of participants; a curve for each number of repeats.
+/// Draws the power of a study over the number of participants; one curve per number of repeats.
 void draw(const PlanOptions& options, const std::vector<PlanOutcome>& outcomes) {
   Figure figure(options.overwrite(options.figure), kFigureWidth_px, kFigureHeight_px);
   const bool power = options.parameters.against.has_value();
   std::string plots, ranges;
-  double shift = 1;  // bars beside each other
+  double shift = 1;  // bars side by side
   for (const int repeats : options.repeats) {
     std::vector<std::vector<double>> rows;
     for (const PlanOutcome& outcome : outcomes) {
@@ -200,7 +200,7 @@ void plan(const PlanOptions& options) {
   const StudyBlock block = blockOf(options);
   StatusLine status;
   std::size_t done = 0;
-  // How many a search takes is not known beforehand.
+  // The number of steps of a search is not known in advance.
   const std::size_t all =
       options.participants.size() * options.repeats.size() * static_cast<std::size_t>(options.parameters.studies);
   Progress progress(status);

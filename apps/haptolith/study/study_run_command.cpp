@@ -76,14 +76,14 @@ SceneFile sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol
   }
   SceneFile scene = learns(protocol) ? readyToLearn(protocol.scene) : protocol.scene;
   options.device.applyTo(scene.device);
-  scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device, the participant moves it
+  scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device the participant moves it
   scene.loop.duration_s = 0;
   scene.loop.paced = true;
   validate(scene);
   return scene;
 }
 
-/// Nobody comes before who has not finished, and no person beside simulated ones.
+/// Checks that no earlier participant is unfinished, and that participants are not mixed with simulated ones.
 void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
   if (options.participant.starts_with(kSimulatedCode)) {
     throw InvalidParameter("participant", options.participant,
@@ -101,7 +101,7 @@ void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
   }
 }
 
-/// What stands between the view and the study's pages; for as long as these live.
+/// Connects the view with the study's pages, for the lifetime of the pages.
 LiveView::Extension extensionOf(StudyPages& pages) {
   return {.handle =
               [&pages](std::uint32_t client, std::string_view message) {
@@ -123,7 +123,7 @@ LiveView::Extension extensionOf(StudyPages& pages) {
               }};
 }
 
-/// The study, its scene and its pages, from the first page to the end.
+/// Study with its scene and pages, from the first page to the end.
 class StudyRun {
  public:
   StudyRun(const StudyRunOptions& options, const WebServerOptions& web)
@@ -184,7 +184,7 @@ class StudyRun {
     return folder;
   }
 
-  /// @throws Failure also when it has ended by itself before.
+  /// @throws Failure also if it has already ended.
   void stopRecording() {
     recording_.stop();
     if (!recording_.problem().empty()) {
@@ -192,7 +192,7 @@ class StudyRun {
     }
   }
 
-  /// Recordings tell of their own; what a trial says of forces would be worked out without these ticks as well.
+  /// Reports lost ticks. Recordings report theirs; the force summary of a trial would also lack these ticks.
   void tellOfLost(std::uint64_t lost) {
     if (lost > told_lost_) {
       const std::string text =
@@ -242,7 +242,7 @@ class StudyRun {
                                                        .safety_trips = session_.snapshot().trips});
   }
 
-  /// What a model has learned would tell the participant what it is.
+  /// Shows the robot's state without the learned soil, which would reveal the condition to the participant.
   void showRobot() {
     std::optional<RobotShown> shown;
     if (rig_.lead() != nullptr) {
@@ -276,7 +276,7 @@ class StudyRun {
                                rig_.force()));
   }
 
-  /// Shows the pages how the day ended; they close their connections, and then nothing waits for them.
+  /// Shows the end of the session on the pages; they then close their connections.
   void sayGoodbye() {
     showPages();
     for (int i = 0; i < 100 && view_.clients() > 0; ++i) {
@@ -317,7 +317,7 @@ class StudyRun {
   LiveView view_;
   std::uint64_t told_lost_ = 0;
   std::string code_;
-  std::int64_t recorded_session_ = 0;  ///< of the store
+  std::int64_t recorded_session_ = 0;  ///< id in the store
 };
 
 void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& options) {
@@ -330,7 +330,7 @@ void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& op
   options->web.addToStudy(command);
   command.callback([options] {
     const StopOnSignal stop_on_signal;
-    umask(077);  // recordings of people are for those who run the study
+    umask(077);  // only the experimenter may read recordings of participants
     StudyRun(*options, options->web.forStudy()).run();
   });
 }

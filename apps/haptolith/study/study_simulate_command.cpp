@@ -50,7 +50,7 @@ struct SimulateOptions {
   std::optional<Manoeuvre> hand;
 };
 
-/// Those by which a hand can explore by itself.
+/// Returns the manoeuvres with which a simulated hand can explore.
 const std::map<std::string, Manoeuvre>& handChoices() {
   static const std::map<std::string, Manoeuvre> kChoices{
       {"stir", Manoeuvre::kStir}, {"press", Manoeuvre::kPress}, {"scoop", Manoeuvre::kScoop}};
@@ -63,7 +63,7 @@ const std::map<std::string, JudgedBy>& judgeChoices() {
   return kChoices;
 }
 
-/// A hand that explores when there is something to judge by, else none.
+/// Returns the rig of a simulated study: its hand explores with --hand, otherwise there is no bed.
 std::unique_ptr<Rig> rigFor(const SimulateOptions& options, const StudyProtocol& protocol, std::uint64_t people_before,
                             const TeleopProgress& progress) {
   std::unique_ptr<Rig> rig = std::make_unique<RigWithoutBed>();
@@ -71,7 +71,7 @@ std::unique_ptr<Rig> rigFor(const SimulateOptions& options, const StudyProtocol&
     rig =
         std::make_unique<SimulatedRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
   }
-  // Whoever goes on with a study meets other soils than those before.
+  // Offsets of seeds, so that a resumed study has other soils than before.
   constexpr std::uint64_t kTrialsOfSeed = 1'000'000, kTrialsOfPerson = 1000;
   return std::make_unique<SimulatedTeleopRig>(protocol, std::move(rig),
                                               options.seed * kTrialsOfSeed + people_before * kTrialsOfPerson, progress);
@@ -83,7 +83,7 @@ std::string nameIn(const Choices& choices, const Value& value, std::string_view 
   return found == choices.end() ? std::string(otherwise) : found->first;
 }
 
-/// What the table of sessions keeps: the options by their names, and the Weber fraction of this participant.
+/// Returns the text for the table of sessions: the options by name, and the Weber fraction of this participant.
 std::string simulationText(const SimulateOptions& options, const ObserverParameters& who) {
   Json json{{"weber", options.observer.weber_fraction},
             {"spread", options.spread},
@@ -100,7 +100,7 @@ std::string simulationText(const SimulateOptions& options, const ObserverParamet
   return json.dump();
 }
 
-/// Simulated answers never stand beside a person's.
+/// Checks that the study has no human participants, because simulated responses must not be mixed with theirs.
 void requireNobody(const StudyStore& study) {
   for (const ParticipantRow& row : study.participants()) {
     if (!row.code.starts_with(kSimulatedCode)) {
@@ -121,7 +121,7 @@ void simulate(const SimulateOptions& options) {
   requireRatios(study.protocol(), options.observer.judged_by);
   StatusLine status;
   std::mt19937_64 random(options.seed);
-  const std::size_t before = flowOf(study).began();  // also those who were removed: no code is given twice
+  const std::size_t before = flowOf(study).began();  // includes removed participants, so that codes are unique
   int person = 0;
   const std::unique_ptr<Rig> rig = rigFor(options, study.protocol(), before, [&](double share) {
     status.tell([&] {

@@ -39,14 +39,14 @@ struct StatusOptions {
   bool json = false;
 };
 
-/// How many main trials a block has; none when the answers decide.
+/// Returns the number of main trials of a block; empty if it depends on the responses.
 std::optional<std::size_t> mainTrials(const StudyBlock& block) {
   return block.procedure == ProcedureKind::kConstant
              ? std::optional(block.levels.size() * static_cast<std::size_t>(block.repeats))
              : std::nullopt;
 }
 
-/// What has become of a participant; "stopped" where their last session has ended before they finished.
+/// Returns the state of a participant; "stopped" if the last session ended before they finished.
 std::string standing(const StudyStore& study, const ParticipantRow& participant, std::string_view state) {
   const std::vector<SessionRow> sessions = study.sessions();
   const auto last = std::find_if(sessions.rbegin(), sessions.rend(),
@@ -62,7 +62,7 @@ std::size_t answered(const std::vector<TrialRow>& trials, std::int64_t participa
   }));
 }
 
-/// The trials of those whom the analysis does not leave out.
+/// Returns the trials of the participants that are included in the analysis.
 std::vector<TrialRow> analysedOf(const StudyStore& study, std::vector<TrialRow> trials) {
   for (const ParticipantRow& participant : study.participants()) {
     if (isLeftOut(participant)) {
@@ -97,7 +97,7 @@ Json resultJson(const AdaptiveResult& result) {
   return json;
 }
 
-/// The results of one participant in one block; none where there are none.
+/// Returns the results of one participant in one block; null without any.
 const AdaptiveResult* resultIn(const std::vector<AdaptiveResultOf>& results, std::int64_t participant,
                                std::size_t block) {
   const auto found = std::ranges::find_if(
@@ -124,7 +124,7 @@ Json groupsJson(const StudyStore& study) {
   return groups;
 }
 
-/// What a group's people do not go through is not still to be done.
+/// Whether a participant's group includes a block.
 bool goesThrough(const StudyProtocol& protocol, const ParticipantRow& participant, std::size_t block) {
   if (!participant.assignment) {
     return protocol.groups.empty();
@@ -190,7 +190,7 @@ Json statusJson(const StudyStore& study, const std::vector<TrialRow>& trials) {
   return json;
 }
 
-/// How many of each stratum are in which group, of the strata that anybody belongs to.
+/// Returns the numbers of participants per stratum and group, for strata with participants.
 std::string strataText(const StudyStore& study) {
   const std::vector<GroupFlow> flows = groupFlowsOf(study);
   if (flows.empty() || study.protocol().assignment.strata.empty()) {
@@ -247,7 +247,7 @@ std::string stoppingText(const StudyStore& study) {
              : "";
 }
 
-/// What is to be known of somebody before their answers are used.
+/// Returns the participants that do not meet the criteria, which matters for the use of their responses.
 std::string notMetText(const StudyStore& study, const std::vector<TrialRow>& trials) {
   std::string text;
   for (const ParticipantRow& participant : study.participants()) {

@@ -8,11 +8,11 @@
 
 namespace haptolith {
 
-/// How much force alone and the picture alone tell of a study's block, as a table.
+/// Returns a table of the information in force alone and in the visual cue alone for a study's block.
 [[nodiscard]] std::string taskTable(const std::string& protocol, const TaskPerception& task,
                                     const TaskOptions& options);
 
-/// The same, with the cues' means.
+/// Returns the table as JSON, with the cues' means.
 [[nodiscard]] nlohmann::ordered_json taskJson(const std::string& protocol, const TaskPerception& task,
                                               const TaskOptions& options);
 

@@ -36,7 +36,7 @@ Json meanJson(const PeopleMean& mean) {
           {"high", numberJson(mean.interval.high)}};
 }
 
-/// The same measure in the first block; none: this is the first, or that has no such measure.
+/// Returns this measure in the first block; null if this is the first, or if that has no such measure.
 const TeleopMeasure* inFirst(const std::vector<TeleopBlockResult>& results, const TeleopBlockResult& result,
                              const TeleopMeasure& measure) {
   if (&result == &results.front()) {

@@ -9,12 +9,12 @@
 
 namespace haptolith {
 
-/// Means over people of what was measured in blocks of work for a robot, and how much more it was than in the first of
-/// them, paired within people. Empty when there is none. @param confidence  of all intervals.
+/// Returns the measures of blocks of teleoperation as text: means over participants, and differences from the first
+/// block, paired within participants. Empty without such blocks. @param confidence  level of all intervals.
 [[nodiscard]] std::string teleopTable(const StudyProtocol& protocol, const std::vector<TeleopBlockResult>& results,
                                       double confidence);
 
-/// The same as an array of blocks.
+/// As above, as an array of blocks.
 [[nodiscard]] nlohmann::ordered_json teleopJson(const StudyProtocol& protocol,
                                                 const std::vector<TeleopBlockResult>& results, double confidence);
 

@@ -15,11 +15,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kLost_s = 5;  ///< without a word, beyond the round trip
+constexpr double kLost_s = 5;  ///< timeout of the robot's reports, beyond the round trip
 
 }  // namespace
 
-/// Its soil settles on a thread of its own, once.
+/// Requests a site; its soil settles once on a separate thread.
 void TeleopRig::wantSite(const std::string& name) {
   if (name == site_name_) {
     return;
@@ -59,7 +59,7 @@ bool TeleopRig::ready() {
     try {
       site_ = coming_.get();
     } catch (...) {
-      site_name_.clear();  // the next try begins anew
+      site_name_.clear();  // the next attempt starts over
       throw;
     }
   }
@@ -119,7 +119,7 @@ void TeleopRig::follow(const std::vector<TickRecord>& ticks) {
   watchRobot();
 }
 
-/// What the robot was heard to do, and whether its work is done.
+/// Updates the reported state of the robot, and whether its work is done.
 void TeleopRig::watchRobot() {
   const OperatorEnd& end = lead_->end();
   const double now_s = static_cast<double>(end.ticks()) * session_.shown().loop.tick_s;

@@ -15,16 +15,16 @@
 
 namespace haptolith {
 
-/// A study on a session that runs, whose blocks may be work for a robot: a stand-in on this machine, at the other end
-/// of a link with delay. Each trial has a robot of its own, over soil that is level.
+/// Study on a running session with blocks of teleoperation. The robot is simulated on this machine, behind a link with
+/// delay. Each trial has a separate robot, over level soil.
 class TeleopRig final : public Rig {
  public:
   TeleopRig(Session& session, SessionRecording& recording, SessionRig::Recorder recorder)
       : session_(session), recording_(recording), rig_(session, std::move(recorder)) {}
 
-  /// Everything that the loop has recorded since the last call.
+  /// Processes the ticks that the loop has recorded since the last call.
   void follow(const std::vector<TickRecord>& ticks);
-  /// The robot that is led; null: none is.
+  /// Returns the current robot; null: none.
   [[nodiscard]] const RobotLead* lead() const noexcept { return lead_ ? &*lead_ : nullptr; }
 
   void prepare(const StudyBlock& block, const Stimulus& stimulus) override;
@@ -45,7 +45,7 @@ class TeleopRig final : public Rig {
   [[nodiscard]] std::string deviceName() const override { return rig_.deviceName(); }
 
  private:
-  /// A robot's scene, and its soil at rest.
+  /// Scene of a robot, and its soil at rest.
   struct Site {
     SceneFile scene_file;
     SavedScene level;
@@ -58,16 +58,16 @@ class TeleopRig final : public Rig {
   Session& session_;
   SessionRecording& recording_;
   SessionRig rig_;
-  std::optional<TeleopWork> work_;  ///< of the block that is shown
-  std::string site_name_;           ///< of what is next
+  std::optional<TeleopWork> work_;  ///< teleoperation of the current block
+  std::string site_name_;           ///< name of the next site
   std::future<Site> coming_;
   std::optional<Site> site_;
-  bool wants_robot_ = false;  ///< for the trial that is shown
+  bool wants_robot_ = false;  ///< whether the current trial needs a robot
   std::unique_ptr<RobotBehindLink> robot_;
-  // From feel() to rest():
+  // Valid from feel() to rest():
   std::optional<RobotLead> lead_;
   std::optional<TaskJudge> judge_;
-  double silent_since_s_ = 0;  ///< time of the run when the robot was last heard
+  double silent_since_s_ = 0;  ///< time of the robot's last report in the run
   RobotState state_ = RobotState::kTaring;
   std::optional<double> follows_s_, done_s_;
   int stops_ = 0;

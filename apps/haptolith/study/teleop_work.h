@@ -13,23 +13,23 @@
 
 namespace haptolith {
 
-// What a study says of work for a robot, in the words of teleoperation, and the other way round.
+// Conversions between a study's teleoperation blocks and the teleoperation library.
 
-/// Half of the delay each way, and nothing else that a link does.
+/// Returns a link with half of the delay each way, without other effects.
 [[nodiscard]] LinkProfile linkOf(const TeleopWork& work);
 
-/// What of a trial's work is told by forces. @param learned  none: the model does not learn.
+/// Returns the summary of a trial's forces. @param learned  empty: the model does not learn.
 [[nodiscard]] TeleopSummary summaryOf(const ForceAgreement& agreement, const std::optional<ModelSoil>& learned);
 
-/// The scene whose soil the hand feels in such a block. @throws InvalidParameter, Failure as sceneOf().
+/// Returns the scene of the operator's model in such a block. @throws InvalidParameter, Failure as sceneOf().
 [[nodiscard]] SceneFile modelOf(const StudyProtocol& protocol, const StudyBlock& block);
 
-/// Another rig, but for work for a robot: a virtual operator does that in simulated time, in a run of its own for each
-/// trial, while feel() waits.
+/// Wrapper of another rig with simulated teleoperation: a virtual operator works in simulated time, in a separate run
+/// per trial, while feel() waits.
 class SimulatedTeleopRig final : public Rig {
  public:
-  /// @param seed  of the first trial's soils and link; each one after that has the next.
-  /// @param progress  of a trial's work.
+  /// @param seed  seed of the first trial's soils and link; incremented for each further trial.
+  /// @param progress  progress of a trial's work.
   SimulatedTeleopRig(const StudyProtocol& protocol, std::unique_ptr<Rig> other, std::uint64_t seed,
                      TeleopProgress progress)
       : protocol_(protocol), other_(std::move(other)), next_seed_(seed), progress_(std::move(progress)) {}
@@ -37,7 +37,7 @@ class SimulatedTeleopRig final : public Rig {
   void prepare(const StudyBlock& block, const Stimulus& stimulus) override;
   void show(const StudyBlock& block, const Stimulus& stimulus) override;
   [[nodiscard]] bool ready() override { return work_ != nullptr || other_->ready(); }
-  /// @throws InvalidParameter, Failure as simulateTeleop(); Failure also when `progress` gives up.
+  /// @throws InvalidParameter, Failure as simulateTeleop(); Failure also if `progress` cancels.
   void feel() override;
   TrialSummary rest() override;
   [[nodiscard]] bool workIsDone() override { return summary_.done == 1; }
@@ -56,7 +56,7 @@ class SimulatedTeleopRig final : public Rig {
   std::unique_ptr<Rig> other_;
   std::uint64_t next_seed_;
   TeleopProgress progress_;
-  const StudyBlock* work_ = nullptr;  ///< the block that is shown, where it is work for a robot
+  const StudyBlock* work_ = nullptr;  ///< current block if it is teleoperation, otherwise null
   TeleopSummary summary_;
   TrialSummary trial_summary_;
 };

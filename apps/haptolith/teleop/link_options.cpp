@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMs = 1e-3;
 constexpr double kKbit = 1e3;
-constexpr double kBurst_packets = 25;  // of --burst-loss
+constexpr double kBurst_packets = 25;  // burst length of --burst-loss
 
 Outage outageFrom(const std::string& text) {
   Outage outage;

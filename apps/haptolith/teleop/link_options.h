@@ -13,7 +13,7 @@ class App;
 
 namespace haptolith {
 
-/// Which link, as the command line says it.
+/// Options for the link.
 struct LinkOptions {
   std::string profile = "lan";
   std::optional<double> round_trip_s, jitter_ms, loss, burst_loss, rate_kbit_s;
@@ -21,10 +21,10 @@ struct LinkOptions {
   std::vector<std::string> outage;
   std::string delays_up, delays_down;
 
-  /// All but the round trip and the profile, which commands ask for in their own ways.
+  /// Adds all options except the round trip and the profile, which depend on the command.
   void addTo(CLI::App& command);
 
-  /// @throws InvalidParameter, Failure: as findLinkProfile() and readDelays().
+  /// Returns the link of the options. @throws InvalidParameter, Failure as findLinkProfile() and readDelays().
   [[nodiscard]] LinkProfile link() const;
 };
 

@@ -54,7 +54,7 @@ std::string robotText(const RobotLead& robot) {
                                                            robot.learning()->learned().state.friction_angle_deg,
                                                            robot.learning()->learned().state.cohesion_pa)
                                              : "";
-  // Further behind than the link explains: it was cut off and catches up, or its machine is too slow.
+  // Lag above that of the link: it was disconnected and catches up, or its machine is too slow.
   constexpr double kCommand_s = 1e-3, kMore_s = 1;
   const bool lags = static_cast<double>(news.behind) * kCommand_s > news.round_trip_s + kMore_s;
   return fmt::format(

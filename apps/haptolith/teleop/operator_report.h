@@ -10,17 +10,17 @@
 
 namespace haptolith {
 
-/// "robot following, 2650 commands behind, round trip 2.60 s; the robot met 2.90 N, this soil 3.20 N": for a status
-/// line.
+/// Returns a status line: "robot following, 2650 commands behind, round trip 2.60 s; the robot met 2.90 N, this soil
+/// 3.20 N".
 [[nodiscard]] std::string robotText(const RobotLead& robot);
 
-/// "34.2 (31 to 37) deg, 150 (90 to 240) Pa, soil-tool 18.1 (15 to 21) deg".
+/// Returns "34.2 (31 to 37) deg, 150 (90 to 240) Pa, soil-tool 18.1 (15 to 21) deg".
 [[nodiscard]] std::string soilText(const ModelSoil& soil);
 
-/// The same for the page.
+/// Returns the robot's state for the page.
 [[nodiscard]] RobotShown robotShown(const RobotLead& robot);
 
-/// How it went, for the end of a run.
+/// Returns the summary at the end of a run.
 [[nodiscard]] std::string robotSummary(const RobotLead& robot);
 [[nodiscard]] nlohmann::ordered_json robotJson(const RobotLead& robot);
 [[nodiscard]] nlohmann::ordered_json countsJson(const PacketCounts& counts);

@@ -15,9 +15,9 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kInSoil_n = 0.2;  ///< more than this on the hand, and it is not in the air
+constexpr double kInSoil_n = 0.2;  ///< force on the hand above which the tool is not in the air
 
-/// While a loop runs its bed is the loop's, and a picture of it has to do.
+/// Returns the height of the surface, from a snapshot, because a running loop owns its bed.
 double surfaceOf(const Session& session) {
   const BedParameters& bed = session.shown().bed;
   return session.loopTicks() == 0 ? meanSurfaceHeight(session.scene().bed())
@@ -44,7 +44,7 @@ void RobotLead::begin(const SceneFile& model) {
   }
 }
 
-/// A recording may begin before the robot is led, or after: its commands are numbered as its own ticks are.
+/// Records a packet. A recording may begin before or after the teleoperation, so commands are numbered by its ticks.
 template <class Told>
 void RobotLead::record(const Told& told, SessionRecording& recording) const {
   const std::optional<double> begun_s = recording.begun();
@@ -132,8 +132,8 @@ void RobotLead::mend(Session& session, SessionRecording& recording) {
     return;
   }
   ToolParameters tool = session.shown().tool;
-  tool.friction = mended_for_.friction;                                     // which is learned
-  if (!mender_ || now.position.size() != grains_ || tool != mended_for_) {  // another bed or tool may have come
+  tool.friction = mended_for_.friction;                                     // friction is learned
+  if (!mender_ || now.position.size() != grains_ || tool != mended_for_) {  // the bed or the tool may have changed
     mender_.emplace(bed, tool, end_.surface(), Work::kBeside);
     mended_for_ = tool;
     grains_ = now.position.size();
@@ -147,7 +147,7 @@ void RobotLead::mend(Session& session, SessionRecording& recording) {
                   seenSoil(session.scene().bed(), bed.soil.radius_m, now.position, now.stones),
                   now.scene_T_tool.position_m, end_.site());
   }
-  constexpr int kAtOnce = 4;  // of what the loop is asked for and does tick by tick: others want something of it, too
+  constexpr int kAtOnce = 4;  // requests at once; the loop handles one per tick, also for other users
   for (int i = 0; i < kAtOnce; ++i) {
     const std::optional<GrainMove> move = mender_->next(in_air_);
     if (!move) {
@@ -164,7 +164,7 @@ void RobotLead::mend(Session& session, SessionRecording& recording) {
 
 void RobotLead::learn(Session& session, SessionRecording& recording) {
   const SceneFile& shown = session.shown();
-  if (shown.bed.soil != soil_ || shown.tool.friction != tool_friction_) {  // somebody wants another soil
+  if (shown.bed.soil != soil_ || shown.tool.friction != tool_friction_) {  // the user has changed the soil
     begin(shown);
   }
   const std::optional<SoilAdjustment> step = learning_ ? learning_->at(end_.ticks(), in_air_) : std::nullopt;

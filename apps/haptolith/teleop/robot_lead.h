@@ -12,27 +12,27 @@
 
 namespace haptolith {
 
-/// What of a session's soil becomes like that of a robot's site.
+/// Properties of a session's soil that are adapted to a robot's site.
 struct Likening {
-  bool strength = true;  ///< by what the robot meets; the session's scene is readyToLearn() then
-  bool surface = true;   ///< by what it sees, where the scene canMend()
+  bool strength = true;  ///< adapted to the robot's forces; requires readyToLearn() of the session's scene
+  bool surface = true;   ///< adapted to the robot's view, if canMend() of the scene
 };
 
-/// A robot that follows a session's tool, and the session's soil, which becomes like the one that the robot meets.
+/// Link to a robot that follows a session's tool. It adapts the session's soil to that of the robot.
 class RobotLead {
  public:
-  /// @param to      where the robot listens, HOST:PORT.
+  /// @param to      address of the robot, HOST:PORT.
   /// @throws as OperatorEnd.
   RobotLead(const Session& session, const std::string& to, const EndOptions& options, const Likening& likening);
 
-  /// What the loop has done since the last call, and what has come from the robot. To be called often.
-  /// @param also  who is told that, too.
+  /// Processes the ticks since the last call, and packets of the robot. To be called often.
+  /// @param also  further receiver of the robot's packets.
   void follow(Session& session, std::span<const TickRecord> ticks, SessionRecording& recording,
               const RobotListener& also = {});
 
   [[nodiscard]] const OperatorEnd& end() const noexcept { return end_; }
   [[nodiscard]] const LearningModel* learning() const noexcept { return learning_ ? &*learning_ : nullptr; }
-  /// Grains of the model that were to lie elsewhere.
+  /// Returns the number of moved particles of the model.
   [[nodiscard]] std::size_t mended() const noexcept { return mended_; }
 
  private:
@@ -48,15 +48,15 @@ class RobotLead {
   Likening likening_;
   std::optional<LearningModel> learning_;
   std::optional<SurfaceMender> mender_;
-  std::size_t grains_ = 0;     ///< of the bed that is mended
-  ToolParameters mended_for_;  ///< in whose way nothing is put
-  std::uint64_t looked_ = 0;   ///< at that tick of the loop
+  std::size_t grains_ = 0;     ///< number of particles in the adapted bed
+  ToolParameters mended_for_;  ///< tool whose space stays free of moved particles
+  std::uint64_t looked_ = 0;   ///< tick of the last check of the surface
   std::size_t mended_ = 0;
-  SoilParameters soil_;  ///< that the session had when last looked
+  SoilParameters soil_;  ///< soil of the session at the last check
   double tool_friction_ = 0;
   bool in_air_ = true;
   double time_s_ = 0, tick_s_ = 0;
-  std::optional<double> first_s_;  ///< of the first tick that the robot was told of
+  std::optional<double> first_s_;  ///< time of the first tick sent to the robot
 };
 
 }  // namespace haptolith

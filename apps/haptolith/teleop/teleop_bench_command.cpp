@@ -55,9 +55,9 @@ Results and terms: docs/reports/teleop-bench.md.)";
 
 constexpr double kBenchMm = 1e-3;
 constexpr double kMillijoule = 1e-3;
-constexpr double kLast_s = 10;  ///< of a run, when a model that learns should have learned
+constexpr double kLast_s = 10;  ///< final part of a run, after a model has learned
 
-/// What is compared.
+/// Compared cases.
 enum class Case { kModel, kProbed, kLearning, kBoth, kNone, kBilateral, kTwin };
 
 const char* text(Case which) {
@@ -87,7 +87,7 @@ bool learns(Case which) {
 
 struct TeleopBenchOptions {
   std::string model = "dig", site = "dig-site";
-  std::vector<std::string> cases;  ///< empty: those that the model is good for
+  std::vector<std::string> cases;  ///< empty: those suitable for the model
   std::vector<std::string> model_overrides, site_overrides;
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
@@ -98,7 +98,7 @@ struct TeleopBenchOptions {
   std::string csv_file, figure_file;
   Overwrite overwrite;
   bool json = false;
-  std::optional<bool> mends;  ///< a model's surface is mended; default: where it learns
+  std::optional<bool> mends;  ///< whether a model's surface is adapted; default: if it learns
 
   [[nodiscard]] double duration() const {
     constexpr double kOfManoeuvre_s = 40, kOfTask_s = 180;
@@ -113,10 +113,10 @@ struct Row {
   bool is_done = false;
 };
 
-/// About how long one thread takes for a second of two beds: an estimate.
+/// Estimated duration on one thread for a second of two beds.
 constexpr double kThreadSecondsPerSecond = 5;
 
-/// The robot's probe of its site, and the model that came of it.
+/// Robot's probe of its site, and the resulting model.
 struct Probed {
   ProbedSoil soil;
   SceneFile model;
@@ -196,7 +196,7 @@ Json rowJson(const Row& row) {
           {"lost", result.up.lost + result.up.cut_off + result.down.lost + result.down.cut_off}};
 }
 
-/// Where nothing was met there is none.
+/// Formats a percentage; "-" for NaN, without contact.
 std::string percentText(double share) {
   return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100 * share);
 }
@@ -213,7 +213,7 @@ std::string rowText(const Row& row) {
       result.stops);
 }
 
-/// How the task went; empty: there is none.
+/// Returns the result of the task; empty without a task.
 std::string taskText(const Row& row, const TeleopBenchOptions& options) {
   const std::optional<TaskResult>& task = row.result.task;
   if (!task) {
@@ -228,7 +228,7 @@ std::string taskText(const Row& row, const TeleopBenchOptions& options) {
       trench ? fmt::format("{:.1f} mm", task->reached / kBenchMm) : fmt::format("{:.3f} N", task->reached));
 }
 
-/// What a model has learned, and how gently; empty: it does not learn.
+/// Returns the learned soil of a model, and the energy and force steps of its updates; empty: it does not learn.
 std::string learnedText(const Row& row) {
   const TeleopResult& result = row.result;
   return result.learned ? fmt::format(
@@ -239,7 +239,7 @@ std::string learnedText(const Row& row) {
                         : "";
 }
 
-/// Force felt beside force met, window by window.
+/// Writes displayed and measured force per window.
 void writeCsv(const OutputFile& file, const std::vector<Row>& rows) {
   AtomicFile table(file);
   table.write("round_trip_s,case,t_s,felt_x_n,felt_y_n,felt_z_n,met_x_n,met_y_n,met_z_n\n");
@@ -275,7 +275,7 @@ std::vector<Row> rowsFor(const TeleopBenchOptions& options) {
   for (const double round_trip_s : options.round_trips_s) {
     for (const std::string& word : cases) {
       const Case which = kCaseWords.at(word);
-      const bool delay_counts = which != Case::kTwin || options.mends.value_or(false);  // of the map that mends
+      const bool delay_counts = which != Case::kTwin || options.mends.value_or(false);  // delay of the height map
       if (delay_counts || round_trip_s == options.round_trips_s.front()) {
         rows.push_back({round_trip_s, which});
       }
@@ -295,7 +295,7 @@ std::vector<AgreementPanel> panelsOf(const std::vector<Row>& rows) {
   return panels;
 }
 
-/// Writes, draws and prints what was found.
+/// Writes, draws and prints the results.
 void show(const TeleopBenchOptions& options, const std::vector<Row>& rows, const std::optional<Probed>& probed) {
   if (!options.csv_file.empty()) {
     writeCsv(options.overwrite(options.csv_file), rows);

@@ -6,7 +6,7 @@ class App;
 
 namespace haptolith {
 
-// Each adds its command to `haptolith teleop`.
+// Each function adds its command to `haptolith teleop`.
 void addTeleopBench(CLI::App& teleop);
 void addTeleopOperator(CLI::App& teleop);
 void addTeleopRemote(CLI::App& teleop);

@@ -11,7 +11,7 @@ class App;
 
 namespace haptolith {
 
-/// How one end of a teleoperation sends packets, as the command line says it.
+/// Options for the packets of one end of a teleoperation.
 struct TeleopEndOptions {
   std::optional<std::string> key_file;
   std::optional<double> rate_kbit_s;
@@ -19,7 +19,7 @@ struct TeleopEndOptions {
 
   void addTo(CLI::App& command);
 
-  /// @throws Failure when the key cannot be read.
+  /// Returns the options of the end. @throws Failure if the key cannot be read.
   [[nodiscard]] EndOptions end() const;
 };
 

@@ -23,11 +23,11 @@ constexpr const char* kOperatorExamples = R"(Examples:
 struct OperatorOptions {
   std::string robot;  ///< HOST:PORT
   TeleopEndOptions end;
-  bool mends = true;           ///< the soil's surface becomes what the robot sees
-  std::optional<bool> learns;  ///< the soil does from what the robot meets; default: where it can
+  bool mends = true;           ///< whether the soil's surface is adapted to the robot's view
+  std::optional<bool> learns;  ///< whether the soil is learned from the robot's forces; default: if possible
 };
 
-/// A robot that follows the tool of a run.
+/// Companion for a robot that follows the tool of a run.
 class RobotCompanion final : public RunCompanion {
  public:
   RobotCompanion(const OperatorOptions& options, SceneFile& scene_file) : options_(options) {
@@ -53,7 +53,7 @@ class RobotCompanion final : public RunCompanion {
 
  private:
   OperatorOptions options_;
-  std::optional<RobotLead> robot_;  ///< from begin() on
+  std::optional<RobotLead> robot_;  ///< set by begin()
 };
 
 }  // namespace

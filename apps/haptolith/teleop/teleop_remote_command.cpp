@@ -48,7 +48,7 @@ struct RemoteOptions {
   bool json = false;
 };
 
-/// How fast the robot's time runs, over the last seconds.
+/// Speed of the robot's time over the last seconds.
 class Rate {
  public:
   explicit Rate(double tick_s) : tick_s_(tick_s) {}

@@ -17,7 +17,7 @@ constexpr Eigen::Index kStates = 8192;
 constexpr double kLeastSamples = 60, kEnoughSamples = 1000;
 constexpr int kMostRounds = 4;
 
-/// Number `index` of van der Corput's sequence in a base, 0 to 1 without its ends.
+/// Returns number `index` of van der Corput's sequence in a base, between 0 and 1 (exclusive).
 double digitsReversed(Eigen::Index index, int base) {
   double value = 0, digit = 1;
   for (Eigen::Index rest = index + 1; rest > 0; rest /= base) {
@@ -27,7 +27,7 @@ double digitsReversed(Eigen::Index index, int base) {
   return value;
 }
 
-/// Points in the unit cube, evenly (Halton 1960).
+/// Returns evenly distributed points in the unit cube (Halton 1960).
 const Eigen::MatrixXd& haltonPoints() {
   static const Eigen::MatrixXd kPoints = [] {
     constexpr std::array kBases{2, 3, 5};
@@ -48,12 +48,12 @@ const Eigen::MatrixXd& normalPoints() {
   return kPoints;
 }
 
-/// States, and the logarithms of their weights.
+/// States with the logarithms of their weights.
 struct Weighted {
   Eigen::MatrixXd states;
   Eigen::VectorXd logarithms;
 
-  /// Of a sum of 1; flatter when `power` is below 1.
+  /// Returns weights with a sum of 1; flatter for `power` below 1.
   [[nodiscard]] Eigen::VectorXd weights(double power = 1) const {
     Eigen::VectorXd shares = (power * (logarithms.array() - logarithms.maxCoeff())).exp();
     return shares / shares.sum();
@@ -76,7 +76,7 @@ Weighted overBox(const SoilLikelihood& likelihood, const SoilPrior& prior) {
   return sample;
 }
 
-/// Sampled again where the first sample has its weight, so that enough of it counts.
+/// Resamples in the region of high weight, so that the effective sample size suffices.
 Weighted again(const SoilLikelihood& likelihood, const Weighted& first, const SoilPrior& prior) {
   double power = 1;
   Eigen::VectorXd weights = first.weights();

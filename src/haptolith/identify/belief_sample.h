@@ -8,27 +8,27 @@
 
 namespace haptolith {
 
-/// A number and where it lies by 90 %: quantiles of 5, 50 and 95 %.
+/// Estimate with its 90 % credible interval: quantiles of 5, 50 and 95 %.
 struct SoilEstimate {
   double low = 0, middle = 0, high = 0;
 
   [[nodiscard]] double width() const noexcept { return high - low; }
 };
 
-/// The likelihood of what was observed, of Student's t for heavy tails,
+/// Likelihood of the observed forces, with heavy tails as in Student's t,
 ///
 ///     L = (1 + d' S^-1 d / nu)^(-(nu + p) / (2 T)),    d = y - expected,    nu = 6
 class SoilLikelihood {
  public:
-  /// Of something; it refers to both.
+  /// Keeps references to `emulator` and `observed`.
   SoilLikelihood(const ForceEmulator& emulator, const ForceEmulator::Observed& observed, double temper);
 
-  /// Logarithms of it for states, one in a row.
+  /// Returns its logarithms for states, one per row.
   [[nodiscard]] Eigen::VectorXd of(const Eigen::MatrixXd& states) const;
-  /// d' S^-1 d
+  /// Returns d' S^-1 d for states, one per row.
   [[nodiscard]] Eigen::VectorXd squares(const Eigen::MatrixXd& states) const;
 
-  /// ln L where d' S^-1 d of `numbers` numbers is known.
+  /// Returns ln L from d' S^-1 d of `numbers` numbers.
   [[nodiscard]] static Eigen::VectorXd logarithms(const Eigen::VectorXd& squares, Eigen::Index numbers, double temper);
 
  private:
@@ -40,22 +40,23 @@ class SoilLikelihood {
   Eigen::LLT<Eigen::MatrixXd> root_;
 };
 
-/// States, one in a row, and how much each counts: 1 together.
+/// States, one per row, with weights of sum 1.
 struct BeliefSample {
   Eigen::MatrixXd states;
   Eigen::VectorXd weights;
 };
 
-/// What is believed when nothing was measured, and once something was: by importance sampling, 8192 states of a Halton
-/// sequence over the box, then as many over the normal distribution that these have shown, until a thousand of them
-/// count. The same on every run.
+/// Returns a sample of the prior, and of the posterior. Importance sampling takes 8192 states of a Halton sequence over
+/// the box, then as many from the normal distribution fitted to these, until the effective sample size is a thousand.
+/// Deterministic.
 [[nodiscard]] BeliefSample believedBefore(const SoilPrior& prior);
 [[nodiscard]] BeliefSample believed(const SoilLikelihood& likelihood, const SoilPrior& prior);
 
-/// What is told of them, in the rows' order: friction angle in deg, cohesion in Pa, angle of tool friction in deg.
+/// Returns the reported quantities, one row per state: friction angle in deg, cohesion in Pa, angle of tool friction in
+/// deg.
 [[nodiscard]] Eigen::MatrixX3d toldOf(const Eigen::MatrixXd& states, double gravity_m_s2);
 
-/// Of values that count so much.
+/// Returns the weighted quantiles of values.
 [[nodiscard]] SoilEstimate estimateOf(const Eigen::VectorXd& values, const Eigen::VectorXd& weights);
 
 }  // namespace haptolith

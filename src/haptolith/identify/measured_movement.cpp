@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 11> kExportColumns{"t_s",       "tool_x_m
                                                           "tool_qw",   "tool_qx",   "tool_qy",  "tool_qz",
                                                           "soil_fx_n", "soil_fy_n", "soil_fz_n"};
 constexpr double kLargest = 1e6;
-constexpr double kLongestStep_s = kForceWindow_s / 5 + 1e-6;  // from sample to sample in a window that counts
+constexpr double kLongestStep_s = kForceWindow_s / 5 + 1e-6;  // max. interval between samples in a valid window
 
 bool isThere(const Pose& tool, const Pose& wanted) {
   return (tool.position_m - wanted.position_m).norm() <= kPoseTolerance_m &&
@@ -33,7 +33,7 @@ std::size_t windowsOf(const ToolMovement& movement) {
   return static_cast<std::size_t>(movement.duration() / kForceWindow_s);
 }
 
-/// Samples in the site's frame, and where in time they are.
+/// Samples in the site's frame, with access by time.
 class Course {
  public:
   Course(std::span<const MeasuredSample> samples, const Vec3& origin_m) : samples_(samples), origin_m_(origin_m) {}
@@ -41,7 +41,7 @@ class Course {
   [[nodiscard]] Pose pose(const MeasuredSample& sample) const {
     return {sample.pose.position_m - origin_m_, sample.pose.orientation};
   }
-  /// The sample next after a time; none behind the last.
+  /// Returns the first sample at or after a time; null behind the last.
   [[nodiscard]] const MeasuredSample* after(double time_s) const {
     const auto found = std::ranges::lower_bound(samples_, time_s, {}, &MeasuredSample::time_s);
     return found == samples_.end() ? nullptr : &*found;
@@ -57,7 +57,7 @@ class Course {
   Vec3 origin_m_;
 };
 
-/// In how many windows the tool is in its place at their middle, if the movement began then.
+/// Returns the number of windows with the tool in place at their centre, for a movement that begins at `begin_s`.
 int agreement(const ToolMovement& movement, const Course& course, double begin_s) {
   int count = 0;
   for (std::size_t window = 0; window < windowsOf(movement); ++window) {
@@ -71,7 +71,7 @@ int agreement(const ToolMovement& movement, const Course& course, double begin_s
   return count;
 }
 
-/// Whether something was measured at least every fifth of a window.
+/// Whether the samples are at most a fifth of a window apart.
 bool isCovered(std::span<const MeasuredSample> inside, double from_s) {
   double last_s = from_s;
   for (const MeasuredSample& sample : inside) {
@@ -83,7 +83,7 @@ bool isCovered(std::span<const MeasuredSample> inside, double from_s) {
   return from_s + kForceWindow_s - last_s <= kLongestStep_s;
 }
 
-/// Whether samples follow each other closely enough for one window somewhere.
+/// Whether there are enough consecutive samples for at least one window.
 bool coversAWindow(std::span<const MeasuredSample> samples) {
   double from_s = samples.front().time_s;
   for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -101,7 +101,7 @@ bool coversAWindow(std::span<const MeasuredSample> samples) {
 
 std::vector<MeasuredSample> readMeasured(const std::filesystem::path& path) {
   Table table(path, {.columns = kColumns, .limits = kLimits});
-  // An export says which pose is the tool's; its x_m and so on are the device's.
+  // In an export the tool's pose has the prefix tool_; x_m and so on are the device's.
   const std::vector<Table::Column> columns = table.columns(table.find("tool_x_m") ? kExportColumns : kColumns);
   TimeColumn time(table, columns[0]);
   std::vector<MeasuredSample> samples;
@@ -127,10 +127,10 @@ MatchedForces matchForces(const ToolMovement& movement, std::span<const Measured
   }
   constexpr double kStep_s = 0.02;
   int most = 0;
-  double first_s = 0, last_s = 0;  // of the first times that agree as well as any
+  double first_s = 0, last_s = 0;  // first interval of times with the best agreement
   for (double begin_s = samples.front().time_s - movement.duration(); begin_s < samples.back().time_s;
        begin_s += kStep_s) {
-    // Where nothing was measured before the movement would end, on to where something was.
+    // If there is no sample within the movement's duration, continue at the next one.
     const MeasuredSample* next = course.after(begin_s);
     const double idle_s = next == nullptr ? 0 : next->time_s - movement.duration() - begin_s;
     if (idle_s > kStep_s) {

@@ -14,11 +14,11 @@ namespace haptolith {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kScatter = 0.2;  ///< of a stretch's force, of specimens
-constexpr double kGrowth = 0.4;   ///< by which the law of how force grows is wrong, of the logarithm of the growth
-constexpr double kLearnerNoise_n = 0.1;  ///< of a sensor, and of grains that strike one by one
+constexpr double kScatter = 0.2;         ///< relative SD of a stretch's force between specimens
+constexpr double kGrowth = 0.4;          ///< relative error of the growth law, per log of the growth
+constexpr double kLearnerNoise_n = 0.1;  ///< noise of a sensor, and of impacts of single particles
 constexpr double kFreedom = 4;           ///< nu of Student's t
-constexpr double kAlike = 2;             ///< stretches one after the other say partly the same: so many are worth one
+constexpr double kAlike = 2;             ///< number of consecutive, correlated stretches that count as one
 constexpr double kFarShare = 0.05;
 constexpr int kMostSteps = 12;
 constexpr SoilPrior kBounds{.friction_angle_deg{12, 50}, .cohesion_m{0, 1.5}, .tool_friction{0.05, 0.7}};
@@ -40,7 +40,7 @@ void ModelLearner::add(const DiggingStretch& stretch) {
 }
 
 double ModelLearner::forceAlong(const ToolCut& cut, const SoilState& state) const {
-  // The equation knows blades that are upright or lean back; how force grows is much the same for others.
+  // The equation holds for blades that are upright or lean back; the growth of force is similar for others.
   constexpr double kFlattest = 40 * kDegree, kSteepest = 85 * kDegree;
   BladeCase blade;
   blade.width_m = 1;
@@ -55,7 +55,7 @@ double ModelLearner::forceAlong(const ToolCut& cut, const SoilState& state) cons
 }
 
 ModelSoil ModelLearner::at(const Vec3& place_m) const {
-  // What does not depend on the state.
+  // Quantities that do not depend on the state.
   struct Known {
     Vec3 axis, displayed_n, met_n;
     const ToolCut* cut;
@@ -77,7 +77,7 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
   const auto predicted = [&](const Known& stretch, const StateVector& vector) -> Vec3 {
     const SoilState state = soilState(vector, gravity_m_s2_);
     const double turn_rad = std::atan(state.tool_friction) - stretch.model_delta_rad;
-    // Soil that slides up the blade pushes it up: more friction turns the force on it from against the way upwards.
+    // Soil that slides up the blade pushes it up: more friction rotates the force from backwards to upwards.
     return forceAlong(*stretch.cut, state) / stretch.model_force *
            (Eigen::AngleAxisd(turn_rad, stretch.axis) * stretch.displayed_n);
   };
@@ -98,7 +98,7 @@ ModelSoil ModelLearner::at(const Vec3& place_m) const {
         moved[axis] += by;
         slopes.col(axis) = (predicted(stretch, moved) - expected_n) / by;
       }
-      // What was felt in a model that was far from this state tells less of it.
+      // A force rendered by a model far from this state has less weight.
       const double growth = std::log(expected_n.norm() / stretch.displayed_n.norm());
       const double size_n = std::max(stretch.met_n.norm(), expected_n.norm());
       const double sd_n = std::hypot(std::hypot(kScatter, kGrowth * growth) * size_n, kLearnerNoise_n);

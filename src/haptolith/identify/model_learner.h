@@ -8,35 +8,34 @@
 
 namespace haptolith {
 
-/// A stretch of digging in which the force of a model's soil on the tool and that of the real soil are both known.
+/// Stretch of digging in which the forces of the model's soil and of the real soil on the tool are both known.
 struct DiggingStretch {
-  Vec3 place_m = Vec3::Zero();  ///< of the tool, site frame
+  Vec3 place_m = Vec3::Zero();  ///< position of the tool, site frame
   ToolCut cut;
-  SoilState model;  ///< how strong the model's soil was
+  SoilState model;  ///< strength of the model's soil
   Vec3 displayed_n = Vec3::Zero(), met_n = Vec3::Zero();
 };
 
-/// What a model's soil has to be so that it does to a tool what the real soil does.
+/// State of the model's soil that reproduces the forces of the real soil.
 struct ModelSoil {
   SoilState state;
   SoilEstimate friction_angle_deg, cohesion_pa, tool_friction_angle_deg;
-  double stretches = 0;  ///< that count at this place
+  double stretches = 0;  ///< effective number of stretches at this position
 };
 
-/// Learns while somebody digs, along whatever path: by how much the force that was met differs from the one that the
-/// model gave along the same path. No equation has to be right about either, only about how force grows with strength:
+/// Estimates soil strength during digging along any path, from the ratio of the measured force to the force of the
+/// model along the same path. An equation is needed only for the growth of force with strength:
 ///
-///     met = s R felt + e,    s = F(theta, cut) / F(model, cut),    R turns by delta - delta_model about the axis
-///     across
+///     met = s R displayed + e,    s = F(theta, cut) / F(model, cut)
 ///
-/// F is the fundamental earthmoving equation's (earthmovingForce()) at the tool's depth and rake. What it is wrong
-/// about the next stretches put right, in which the model already has another strength. theta is the most probable
-/// state, by Gauss and Newton with Student's t for e, from all stretches nearby, on a prior about the model's first
-/// strength; intervals are those of the normal distribution there. A stretch counts less the more its model differed
-/// from theta: e grows with |ln s|.
+/// R is a rotation by delta - delta_model about the axis across the path. F is that of the fundamental earthmoving
+/// equation (earthmovingForce()) at the tool's depth and rake. Later stretches, with an updated strength of the model,
+/// correct its errors. theta is the most probable state, by the Gauss-Newton method with Student's t for e, from all
+/// stretches nearby, with a prior about the model's initial strength. Intervals are those of the normal distribution
+/// there. The more the model of a stretch differs from theta, the less it counts: e grows with |ln s|.
 ///
-/// theta is a strength of the model's own kind of soil. Where the real grains are of another kind, it is not what a
-/// shear test of them would measure: SoilIdentifier tells that.
+/// theta is a strength of the model's kind of soil. If the real particles are of another kind, a shear test of them
+/// would give a different result; SoilIdentifier estimates that.
 class ModelLearner {
  public:
   struct Prior {
@@ -47,16 +46,16 @@ class ModelLearner {
 
   void add(const DiggingStretch& stretch);
 
-  /// The most probable soil at a place: stretches count less the further away they were, to a twentieth. Takes some
-  /// ten milliseconds. Not for the tick.
+  /// Returns the most probable soil at a position. Weights of stretches fall with distance, down to a twentieth. Takes
+  /// about 10 ms. Not for the tick.
   [[nodiscard]] ModelSoil at(const Vec3& place_m) const;
 
   [[nodiscard]] std::size_t stretches() const noexcept { return stretches_.size(); }
 
   static constexpr std::size_t kMostStretches = 300;
-  static constexpr double kReach_m = 0.06;  ///< over which soil is held to be alike
+  static constexpr double kReach_m = 0.06;  ///< length over which soil is assumed to be uniform
 
-  /// F of the earthmoving equation for such a cut, per width, in N/m.
+  /// Returns F of the earthmoving equation for a cut, per width, in N/m.
   [[nodiscard]] double forceAlong(const ToolCut& cut, const SoilState& state) const;
 
  private:

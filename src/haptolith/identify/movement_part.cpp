@@ -21,7 +21,7 @@ ToolMovement between(const ToolMovement& movement, double from_s, double to_s) {
   return ToolMovement(std::move(poses));
 }
 
-/// Where it is lowest, for a part without a name.
+/// Returns the lowest position, as the name of a part without one.
 std::string placeOf(const ToolMovement& movement, std::size_t number) {
   const auto lowest =
       std::ranges::min_element(movement.poses(), {}, [](const TimedPose& at) { return at.pose.position_m.z(); });
@@ -34,7 +34,7 @@ std::string placeOf(const ToolMovement& movement, std::size_t number) {
 std::vector<MovementPart> partsOf(const ToolMovement& movement, const ForceEmulator& emulator) {
   const auto windows = static_cast<std::size_t>(movement.duration() / kForceWindow_s);
   std::vector<std::size_t> begins{0};
-  std::size_t free = emulator.windowOf(0);  // the first behind what was felt last
+  std::size_t free = emulator.windowOf(0);  // first window after the last force
   for (Eigen::Index number = 0; number < static_cast<Eigen::Index>(emulator.size()); ++number) {
     const std::size_t window = emulator.windowOf(number);
     if (window > free) {

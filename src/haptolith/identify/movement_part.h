@@ -9,19 +9,19 @@
 
 namespace haptolith {
 
-/// A stretch of a movement that can be made by itself: it begins and ends in the air.
+/// Part of a movement that can be made separately: it begins and ends in the air.
 struct MovementPart {
   std::string name;
   std::size_t first_window = 0, windows = 0;
-  ToolMovement movement;  ///< of this part alone, from 0 s on
+  ToolMovement movement;  ///< movement of this part alone, from 0 s
 };
 
-/// The parts of the movement that an emulator has learned, which together are the movement. They are parted in the
-/// middle of each half second and more in which most soils do nothing to the tool. Each can be told alone where no two
-/// share their soil, as in probeMovement(), whose parts have its names.
+/// Divides the movement of an emulator into parts. The divisions are at the centre of each half second or longer in
+/// which most soils exert no force on the tool. Each part is independent if no two share their soil, as in
+/// probeMovement(), whose parts get its names.
 [[nodiscard]] std::vector<MovementPart> partsOf(const ToolMovement& movement, const ForceEmulator& emulator);
 
-/// Those numbers of the emulator that belong to a part.
+/// Returns the numbers of the emulator that belong to a part.
 [[nodiscard]] std::vector<Eigen::Index> numbersOf(const MovementPart& part, const ForceEmulator& emulator);
 
 }  // namespace haptolith

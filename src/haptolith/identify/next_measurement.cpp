@@ -17,14 +17,14 @@ namespace {
 
 constexpr int kDraws = 64;
 
-/// Values in the order of their size, of which quantiles are read again and again.
+/// Sorted values, for repeated quantiles.
 class Ordered {
  public:
   explicit Ordered(const Eigen::VectorXd& values) : values_(values), order_(static_cast<std::size_t>(values.size())) {
     std::iota(order_.begin(), order_.end(), 0);
     std::ranges::sort(order_, {}, [&](Eigen::Index i) { return values_[i]; });
   }
-  /// Of the interval of 90 %, where they count so much.
+  /// Returns the width of the 90 % interval with these weights.
   [[nodiscard]] double width(const Eigen::VectorXd& weights) const { return at(0.95, weights) - at(0.05, weights); }
 
  private:
@@ -43,17 +43,17 @@ class Ordered {
   std::vector<Eigen::Index> order_;
 };
 
-/// The present belief: states, what they are told to be, and what was measured.
+/// Current belief: states, their reported quantities, and the measured numbers.
 struct Present {
   const ForceEmulator& emulator;
   double temper;
   const ForceEmulator::Observed& observed;
   BeliefSample sample;
-  Eigen::MatrixXd expected;  ///< of each state, in its row
+  Eigen::MatrixXd expected;  ///< expected numbers, one row per state
   std::array<Ordered, 3> told;
 };
 
-/// States in the order of the belief's sample, as often as they count.
+/// Draws states in the order of the sample, in proportion to their weights.
 std::vector<Eigen::Index> drawnFrom(const Eigen::VectorXd& weights) {
   std::vector<Eigen::Index> drawn;
   double sum = 0;
@@ -68,7 +68,7 @@ std::vector<Eigen::Index> drawnFrom(const Eigen::VectorXd& weights) {
 
 PartGain gainOf(const MovementPart& part, const Present& present) {
   const std::vector<Eigen::Index> own = numbersOf(part, present.emulator);
-  std::vector<Eigen::Index> which, places;  // of what was measured, and of that in present.observed
+  std::vector<Eigen::Index> which, places;  // indices of the measured numbers, and their positions in present.observed
   for (std::size_t i = 0; i < present.observed.which.size(); ++i) {
     if (std::ranges::find(own, present.observed.which[i]) == own.end()) {
       which.push_back(present.observed.which[i]);
@@ -79,7 +79,7 @@ PartGain gainOf(const MovementPart& part, const Present& present) {
   which.insert(which.end(), own.begin(), own.end());
   const auto numbers = static_cast<Eigen::Index>(which.size());
 
-  // Whitened, what is measured later depends no more on what was measured before: L^-1 (expected - measured).
+  // Whitening makes later numbers independent of the measured ones: L^-1 (expected - measured).
   const Eigen::LLT<Eigen::MatrixXd> root(present.emulator.covariance()(which, which));
   Eigen::MatrixXd apart = present.expected(Eigen::all, which).transpose();
   apart.topRows(before).colwise() -= present.observed.values(places);

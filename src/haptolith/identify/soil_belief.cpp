@@ -16,7 +16,7 @@ double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-/// Whether forces point against those of a soil in the middle of the prior, taken together.
+/// Whether the forces as a whole are opposite to those of a soil in the centre of the prior.
 bool pushesTheWrongWay(const ForceEmulator::Observed& observed, const ForceEmulator& emulator, const SoilPrior& prior) {
   const Eigen::MatrixXd expected = emulator.expected((lowest(prior) + highest(prior)).transpose() / 2);
   double sum = 0;
@@ -79,7 +79,7 @@ SoilBelief SoilIdentifier::identify(const MeasuredForces& forces, double gravity
 }
 
 LeaveOneOut::LeaveOneOut(const Training& training) : training_(training) {
-  (void)ForceEmulator(training);  // that there are enough
+  (void)ForceEmulator(training);  // checks that there are enough
   for (std::size_t i = 0; i < training.runs.size(); ++i) {
     if (training.runs[i].strength) {
       sheared_.push_back(i);

@@ -9,7 +9,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kStill_m_s = 0.002;
-constexpr double kUpwards = 0.3;  // sine of the steepest way up that still cuts
+constexpr double kUpwards = 0.3;  // sine of the max. upward slope of a cut
 
 }  // namespace
 

@@ -55,7 +55,7 @@ HeldForce heldForce(std::span<const MeasuredSample> samples, const char* key, co
   return {{mean(means_n), standardDeviation(means_n) / std::sqrt(kBatches)}, (time_s.lowest + time_s.highest) / 2};
 }
 
-/// That a number of Student's t with this freedom exceeds one time in twenty.
+/// Returns the 95 % quantile of Student's t.
 double quantile95(double freedom) {
   return boost::math::quantile(boost::math::students_t(freedom), 0.95);
 }
@@ -77,7 +77,7 @@ ScoopMass weighScoop(std::span<const MeasuredSample> samples, const ScoopWeighin
   const HeldForce empty = heldForce(samples, "--empty-s", weighing.empty_s);
   const HeldForce full = heldForce(samples, "--full-s", weighing.full_s);
   double zero_n = empty.force_n.value, drift_n = weighing.drift_n_s * std::abs(full.middle_s - empty.middle_s);
-  // Each error's square, and the square of that over its freedom (Welch and Satterthwaite).
+  // Sum of squared errors, and of their squares over the degrees of freedom (Welch and Satterthwaite).
   double variance = std::pow(full.force_n.error, 2), fourth = std::pow(full.force_n.error, 4) / (kBatches - 1);
   const auto add = [&](double error_n) {
     variance += std::pow(error_n, 2);
@@ -90,7 +90,7 @@ ScoopMass weighScoop(std::span<const MeasuredSample> samples, const ScoopWeighin
     zero_n += share * (again.force_n.value - empty.force_n.value);
     add(share * again.force_n.error);
     add((1 - share) * empty.force_n.error);
-    drift_n *= std::sqrt(1 - share);  // of a walk at random that ends where it was seen to
+    drift_n *= std::sqrt(1 - share);  // reduction for a random walk with a fixed end point
   } else {
     add(empty.force_n.error);
   }

@@ -28,7 +28,7 @@ LabConditions SharedProgress::conditionsOf(std::size_t index) {
     piece.progress = [this, index](std::string_view what, double share) {
       const std::scoped_lock lock(state_->mutex);
       std::vector<double>& shares = state_->shares;
-      shares[index] = std::max(shares[index], share);  // pieces have phases; the whole never goes back
+      shares[index] = std::max(shares[index], share);  // a piece restarts at 0 for each phase
       return conditions_.progress(what, mean(shares));
     };
   }

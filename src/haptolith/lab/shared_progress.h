@@ -7,8 +7,8 @@
 
 namespace haptolith {
 
-/// Conditions for piece `index` of `count` equal pieces that run in parallel: one thread each, and a progress that
-/// tells `conditions.progress`, one thread at a time, how far all of them together are.
+/// Conditions for piece `index` of `count` equal pieces that run in parallel, one thread each. Their progress reports
+/// the total of all pieces to `conditions.progress`, one thread at a time.
 class SharedProgress {
  public:
   SharedProgress(const LabConditions& conditions, std::size_t count);

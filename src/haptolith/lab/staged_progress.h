@@ -9,19 +9,18 @@
 
 namespace haptolith {
 
-/// The progress of a test that is done in stages: what a stage reports as 0 to 1 becomes its share of the whole. Never
-/// goes back.
+/// Progress of a test with stages: maps 0 to 1 of a stage to its part of the total. Never decreases.
 class StagedProgress {
  public:
   explicit StagedProgress(LabProgress told) : stage_(std::make_shared<Stage>()) { stage_->told = std::move(told); }
 
-  /// From now on 0 to 1 means `begin` to `end` of the whole test.
+  /// Enters a stage: 0 to 1 becomes `begin` to `end` of the entire test.
   void enter(double begin, double end) {
     stage_->begin = begin;
     stage_->end = end;
   }
 
-  /// For the stages' own conditions; outlives this. Empty when nobody is told.
+  /// Returns the callback for the conditions of the stages; may outlive this object. Empty without a receiver.
   [[nodiscard]] LabProgress inner() const {
     if (!stage_->told) {
       return {};

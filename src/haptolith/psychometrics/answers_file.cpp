@@ -25,14 +25,14 @@ constexpr std::array<std::string_view, 11> kColumns{"x",           "k",     "n",
                                                     "participant", "group", "block", "kind",     "state"};
 constexpr std::array<std::string_view, 3> kCodes{"participant", "group", "block"};
 
-/// A study of a thousand people has some hundred thousand rows; answers to a form make some of them long.
+/// A study with a thousand participants has a few hundred thousand rows; questionnaire answers make some of them long.
 constexpr TableFormat kFormat{
     .columns = kColumns, .limits = {.bytes = 256 << 20, .line_bytes = 100'000, .rows = 1'000'000}, .codes = kCodes};
 
-/// A column of a study's export that says which rows count.
+/// Column of a study's export that marks the rows that count.
 struct StandingColumn {
   std::string_view name;
-  std::array<std::string_view, 4> words;  ///< that an export has in it
+  std::array<std::string_view, 4> words;  ///< values in an export
   std::array<bool, 4> counts;
 };
 
@@ -41,7 +41,7 @@ constexpr std::array kStandingColumns{
     StandingColumn{"state", {"begun", "answered", "repeated", "lost"}, {false, true, false, false}},
     StandingColumn{"participant_state", {"running", "finished", "withdrawn", "excluded"}, {true, true, false, false}}};
 
-/// The place of a cell's word among those of an export; none of a word of somebody's own.
+/// Returns the index of a cell's word among those of an export; empty for a word of the user.
 std::optional<std::size_t> standingIn(const Table& table, Table::Column column, const StandingColumn& of) {
   std::string word = table.cell(column);
   std::ranges::transform(word, word.begin(), [](unsigned char letter) { return std::tolower(letter); });
@@ -50,15 +50,15 @@ std::optional<std::size_t> standingIn(const Table& table, Table::Column column, 
                                                  : std::optional(static_cast<std::size_t>(found - of.words.begin()));
 }
 
-/// The columns that say which rows count: those that have the words of an export and no others.
-/// @throws InvalidParameter for a column with some of them and others.
+/// Columns that mark the rows that count: those with only the words of an export.
+/// @throws InvalidParameter for a column with both these and other words.
 class Standing {
  public:
   explicit Standing(Table& table) {
     struct Seen {
       Table::Column column;
       const StandingColumn* of;
-      int known_line = 0;  ///< 0: no word of an export so far
+      int known_line = 0;  ///< line of the first word of an export; 0: none so far
       std::optional<InvalidParameter> own;
     };
     std::vector<Seen> seen;
@@ -102,7 +102,7 @@ class Standing {
   std::vector<std::pair<Table::Column, const StandingColumn*>> columns_;
 };
 
-/// The level of a row of x,k,n; none where neither of k and n is there.
+/// Returns the level of a row of x,k,n; empty if both k and n are missing.
 std::optional<Level> countsOf(Table& table, Table::Column x, Table::Column k, Table::Column n) {
   if (table.isMissing(k) && (table.isMissing(n) || table.number(n) == 0)) {
     return std::nullopt;
@@ -117,7 +117,7 @@ std::optional<Level> countsOf(Table& table, Table::Column x, Table::Column k, Ta
   return level;
 }
 
-/// Rows of a kind that a table should not have: how many, and the first one's place.
+/// Suspicious rows of one kind: their number, and the location of the first one.
 struct OddRows {
   std::size_t count = 0;
   std::string first;
@@ -126,10 +126,10 @@ struct OddRows {
   [[nodiscard]] std::string andMore() const { return count == 1 ? "" : fmt::format(" (and {} more rows)", count - 1); }
 };
 
-/// Notes what is odd about the rows of a table.
+/// Collects warnings about the rows of a table.
 class Oddities {
  public:
-  /// @param all_differ  whether no row should be the same as another one.
+  /// @param all_differ  whether all rows should be different.
   explicit Oddities(bool all_differ) : all_differ_(all_differ) {}
 
   void add(const Table& table, std::optional<Table::Column> participant) {
@@ -170,7 +170,7 @@ class Oddities {
   };
 
   static std::string sharedCodes(const std::vector<AnswersOf>& people) {
-    std::map<std::array<std::string, 2>, std::vector<std::string>> groups;  // of block and code
+    std::map<std::array<std::string, 2>, std::vector<std::string>> groups;  // groups by block and code
     for (const AnswersOf& of : people) {
       groups[{of.block, of.participant}].push_back(of.group);
     }
@@ -202,10 +202,10 @@ class Oddities {
     return again.count == 0 ? "" : again.first + again.andMore();
   }
 
-  /// Whether the rows are the same twice or three times over, which answers that differ from trial to trial hardly are.
+  /// Detects a table that was appended to itself once or twice, which is improbable for independent responses.
   [[nodiscard]] std::string repeatedTable() const {
-    constexpr std::size_t kFewest = 4;                 // fewer may be the same by chance
-    std::vector<std::size_t> border(rows_.size(), 0);  // of each beginning, its longest end that is a beginning, too
+    constexpr std::size_t kFewest = 4;                 // fewer may be equal by chance
+    std::vector<std::size_t> border(rows_.size(), 0);  // per prefix, its longest proper suffix that is a prefix
     for (std::size_t i = 1; i < rows_.size(); ++i) {
       std::size_t length = border[i - 1];
       while (length > 0 && rows_[i].hash != rows_[length].hash) {
@@ -225,7 +225,7 @@ class Oddities {
   std::vector<Row> rows_;
 };
 
-/// Gathers the levels of each block, participant and group.
+/// Collects the levels of each block, participant and group.
 class People {
  public:
   void add(AnswersOf&& of, const Level& level) {

@@ -18,10 +18,10 @@ namespace haptolith {
 namespace {
 
 constexpr int kDraws = 400;
-constexpr double kBeyond = 1e200;  // stands for what has no end
-constexpr int kPeaks = 8;          // of the likelihood, from which its maximum is looked for
+constexpr double kBeyond = 1e200;  // represents infinity
+constexpr int kPeaks = 8;          // number of peaks of the likelihood that the search starts from
 
-/// What the estimates and statistics of both methods have in common.
+/// Computes the estimates and statistics common to both methods.
 Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint& most_likely,
           const SimulatedFits& simulated) {
   const FitOptions& options = model.options();
@@ -55,7 +55,7 @@ Fit fitAt(const Model& model, const ParameterPoint& point, const ParameterPoint&
   return fit;
 }
 
-/// The interval of what the width alone decides, at the ends of the width's own.
+/// Returns the interval of a quantity of the width alone, from the ends of the width's interval.
 Interval intervalByWidth(const PsychometricFunction& function, const Interval& width, Derived derived) {
   PsychometricFunction at = function;
   at.width = width.low;
@@ -65,16 +65,16 @@ Interval intervalByWidth(const PsychometricFunction& function, const Interval& w
   return {std::min(at_low, at_high), std::max(at_low, at_high)};
 }
 
-/// Whether the threshold has a say in a quantity besides the width: in the JND where the axis is logarithmic, in the
-/// Weber fraction where it is not.
+/// Whether a quantity depends on the threshold as well as the width: the JND on a logarithmic axis, the Weber fraction
+/// on a linear one.
 bool dependsOnThreshold(const Model& model, Derived derived) {
   return !model.support(kThreshold).isFixed() && (derived == jndOf) == model.isLogarithmic();
 }
 
-/// The interval of what threshold and width decide together.
+/// Returns the interval of a quantity of threshold and width.
 Interval intervalByBoth(const Model& model, const Posterior& posterior, double confidence, Derived derived) {
   const std::size_t pairs = posterior.axes[kThreshold].values.size() * posterior.axes[kScale].values.size();
-  const std::size_t block = posterior.mass.size() / pairs;  // the other parameters run faster
+  const std::size_t block = posterior.mass.size() / pairs;  // the other parameters vary faster
   std::vector<WeightedValue> values(pairs);
   for (std::size_t pair = 0; pair < pairs; ++pair) {
     const double value = derived(model.functionAt(pointOf(posterior, pair * block)));
@@ -87,7 +87,7 @@ Interval intervalByBoth(const Model& model, const Posterior& posterior, double c
   return {low, high < std::sqrt(kBeyond) ? high : std::numeric_limits<double>::infinity()};
 }
 
-/// Every parameter at the median of its marginal.
+/// Returns the medians of all marginals.
 ParameterPoint medianOf(const Posterior& posterior) {
   ParameterPoint point;
   for (int i = 0; i < kParameters; ++i) {
@@ -96,8 +96,8 @@ ParameterPoint medianOf(const Posterior& posterior) {
   return point;
 }
 
-/// Fills in the intervals of a fit.
-/// @param of_parameter  gives the interval of a parameter. @param of_both  that of what threshold and width decide.
+/// Sets the intervals of a fit.
+/// @param of_parameter  returns the interval of a parameter. @param of_both  that of a quantity of threshold and width.
 void setIntervals(Fit& fit, const Model& model, const std::function<Interval(Parameter)>& of_parameter,
                   const std::function<Interval(Derived)>& of_both) {
   const Interval place = of_parameter(kThreshold);

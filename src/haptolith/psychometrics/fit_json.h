@@ -8,14 +8,14 @@
 
 namespace haptolith {
 
-/// A fit as `study fit --json` and the library tell it: threshold, width, jnd, weber_fraction, lapse, guess,
+/// Returns a fit as JSON for `study fit --json` and the library: threshold, width, jnd, weber_fraction, lapse, guess,
 /// overdispersion, intervals and so on; w for the sigmoids of (paper 22).
 [[nodiscard]] nlohmann::ordered_json fitJson(const Fit& fit);
 
-/// [low, high].
+/// Returns [low, high].
 [[nodiscard]] nlohmann::ordered_json intervalJson(const Interval& interval);
 
-/// "yesno", "equal-asymptote", "2afc", "3afc".
+/// Returns "yesno", "equal-asymptote", "2afc", "3afc" etc.
 [[nodiscard]] std::string designName(const Fit& fit);
 
 }  // namespace haptolith

@@ -10,7 +10,7 @@ namespace haptolith {
 
 namespace {
 
-/// A rate that is fixed at a number, or free.
+/// Parses a rate: fixed at a number, or free.
 std::optional<double> rateOf(const std::string& key, const std::string& text, std::optional<double> otherwise) {
   if (text.empty()) {
     return otherwise;

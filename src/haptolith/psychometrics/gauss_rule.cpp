@@ -14,7 +14,7 @@ namespace haptolith {
 namespace {
 
 GaussRule computedRule(int count) {
-  const std::vector<double> zeros = boost::math::legendre_p_zeros<double>(count);  // those that are not negative
+  const std::vector<double> zeros = boost::math::legendre_p_zeros<double>(count);  // the non-negative zeros
   GaussRule rule;
   rule.places.reserve(static_cast<std::size_t>(count));
   rule.weights.reserve(static_cast<std::size_t>(count));

@@ -23,15 +23,15 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kTolerance = 1e-5;  // of the fits to simulated studies, and no more of a peak's width than
+constexpr double kTolerance = 1e-5;  // tolerance of fits to simulated studies; limited in peak widths by
 constexpr double kToleranceOfPeak = 0.01;
-constexpr double kFewAnswers = 100;  // are drawn one by one, more of them together
-constexpr int kDeviancePeaks = 2;    // of the likelihood, from which each simulated study is fitted besides its origin
+constexpr double kFewAnswers = 100;  // up to here responses are drawn one by one, otherwise together
+constexpr int kDeviancePeaks = 2;    // likelihood peaks that each fit starts from, in addition to its origin
 
-constexpr double kDoubtful = 3;  // standard errors
+constexpr double kDoubtful = 3;  // in standard errors
 
-/// Armitage's test (1955, Biometrics 11, 375): by how many standard errors positive answers become more from one
-/// stimulus to the next.
+/// Returns the trend of positive responses with the stimulus, in standard errors, by Armitage's test (1955, Biometrics
+/// 11, 375).
 double trendOf(std::span<const Level> levels) {
   double n = 0, k = 0, places = 0;
   for (std::size_t i = 0; i < levels.size(); ++i) {
@@ -54,7 +54,7 @@ double uniform(std::mt19937_64& random) {
   return (uniformSigned(random) + 1) / 2;
 }
 
-/// Answer by answer: each makes the next one like it more probable (Polya's urn). @param s  eta^2.
+/// Draws response by response: each makes an equal one more probable (Polya's urn). @param s  eta^2.
 double drawnOneByOne(double n, double psi, double s, std::mt19937_64& random) {
   HAPTO_ASSERT(psi >= 0 && psi <= 1);
   HAPTO_ASSERT(n >= 0);
@@ -66,7 +66,7 @@ double drawnOneByOne(double n, double psi, double s, std::mt19937_64& random) {
   return positive;
 }
 
-/// The same at once: a binomial number of a probability that is itself drawn from a Beta distribution.
+/// As above in one draw: a binomial number with a probability from a Beta distribution.
 double drawnAtOnce(double n, double psi, double s, std::mt19937_64& random) {
   HAPTO_ASSERT(psi >= 0 && psi <= 1);
   HAPTO_ASSERT(n >= 0);
@@ -74,7 +74,7 @@ double drawnAtOnce(double n, double psi, double s, std::mt19937_64& random) {
   if (s >= kBinomial && psi > 0 && psi < 1) {
     const double nu = 1 / s - 1;
     share = boost::random::beta_distribution<double>(psi * nu, (1 - psi) * nu)(random);
-    if (!(share >= 0 && share <= 1)) {  // so small a nu that both of its gamma numbers are 0: all answers alike
+    if (!(share >= 0 && share <= 1)) {  // nu so small that both gamma variates are 0: all responses are equal
       share = uniform(random) < psi ? 1 : 0;
     }
   }

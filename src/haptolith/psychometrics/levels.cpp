@@ -13,7 +13,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kSameStimulus =
-    1e-12;  // by which the same stimulus may differ from one row to the next, as a fraction
+    1e-12;  // max. relative difference of stimuli that count as equal, for instance in different rows
 
 void requireCounts(const Level& level) {
   requireInRange("x of a level", level.x, {-kMostStimulus, kMostStimulus});

@@ -10,7 +10,7 @@ namespace haptolith {
 
 namespace {
 
-/// The logarithm of a product of many factors at the price of few logarithms.
+/// Logarithm of a product of many factors, with few logarithm calls.
 class LogProduct {
  public:
   void multiply(double factor) noexcept {
@@ -28,7 +28,7 @@ class LogProduct {
   double log_ = 0;
 };
 
-/// count ln(share), also where both are 0.
+/// Returns count ln(share), 0 if both are 0.
 double logPower(double count, double share) noexcept {
   return count > 0 ? count * std::log(share) : 0;
 }
@@ -38,7 +38,7 @@ double logBinomial(double k, double n, double psi) noexcept {
   return logPower(k, psi) + logPower(n - k, 1 - psi);
 }
 
-/// The same by gamma functions, for answers so many that their product takes longer.
+/// Computes the log-likelihood by gamma functions, for numbers of responses for which the product is slower.
 double logBetaBinomial(double k, double n, double psi, double s) noexcept {
   HAPTO_ASSERT(k >= 0 && k <= n);
   HAPTO_ASSERT(s > 0);
@@ -47,7 +47,7 @@ double logBetaBinomial(double k, double n, double psi, double s) noexcept {
   return (k > 0 ? rise(psi * nu, k) : 0) + (n - k > 0 ? rise((1 - psi) * nu, n - k) : 0) - rise(nu, n);
 }
 
-/// k ln(k/m) + m - k, which is 0 or more and keeps its digits where k is close to m > 0 (Loader 2000).
+/// Returns k ln(k/m) + m - k >= 0, without cancellation for k close to m > 0 (Loader 2000).
 double devianceTerm(double k, double m) noexcept {
   if (k == 0) {
     return m;
@@ -73,7 +73,7 @@ double logLikelihood(double k, double n, double psi, double eta) noexcept {
   LogProduct product;
   const double a = psi * (1 - s);
   const double b = (1 - psi) * (1 - s);
-  double place = 0;  // in the product of the denominator
+  double place = 0;  // index in the product of the denominator
   for (double j = 0; j < k; ++j, ++place) {
     product.multiply((a + j * s) / (1 - s + place * s));
   }

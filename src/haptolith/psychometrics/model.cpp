@@ -19,19 +19,19 @@ namespace {
 
 constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
 constexpr double kMostAsymptote = 0.5;
-// eta = 1 would make all answers to a stimulus alike, whatever the function.
+// With eta = 1 all responses to a stimulus would be equal for any function.
 constexpr double kMostOverdispersion = 1 - 1e-9;
-constexpr double kBeta = 10;  // of the Beta(1, 10) priors
+constexpr double kBeta = 10;  // second parameter of the Beta(1, 10) priors
 constexpr double kWeberBeta =
-    60;  // of the rates of weber sigmoids, chosen by simulation: docs/reports/psychometric-coverage.md
+    60;  // for the rates of weber sigmoids, chosen by simulation: docs/reports/psychometric-coverage.md
 
-/// Falls from 1 to 0 as a cosine while `share` goes from 0 to 1.
+/// Falls from 1 to 0 as a cosine for `share` from 0 to 1.
 double cosineFall(double share) noexcept {
   HAPTO_ASSERT(share >= 0 && share <= 1);
   return (1 + std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0))) / 2;
 }
 
-/// ln of the density of Beta(1, beta).
+/// Returns the log density of Beta(1, beta).
 double logBetaPrior(double value, double beta) noexcept {
   return std::log(beta) + (beta - 1) * std::log1p(-value);
 }
@@ -120,7 +120,7 @@ void Model::setSupports() {
   supports_[kLapse] = options_.lapse ? fixed(*options_.lapse) : Support{0, kMostAsymptote};
   supports_[kGuess] = options_.guess ? fixed(*options_.guess) : Support{0, kMostAsymptote};
   if (options_.design != Design::kYesNo) {
-    supports_[kGuess] = fixed(1.0 / options_.alternatives);  // unused where it is the lapse rate
+    supports_[kGuess] = fixed(1.0 / options_.alternatives);  // unused if it is the lapse rate
   }
   supports_[kOverdispersion] =
       options_.overdispersion ? fixed(*options_.overdispersion) : Support{0, kMostOverdispersion};

@@ -10,15 +10,15 @@
 
 namespace haptolith {
 
-/// The parameters of a fit, in the order of their grid.
+/// Parameters of a fit, in the order of their grid.
 enum Parameter { kThreshold, kScale, kLapse, kGuess, kOverdispersion };
 inline constexpr int kParameters = 5;
 
-/// Values of all of them. kThreshold is its place on the axis (x or ln x); kScale is the width, of weber sigmoids the
-/// Weber fraction x84/x50 - 1.
+/// Values of all parameters. kThreshold is its place on the axis (x or ln x); kScale is the width, or for weber
+/// sigmoids the Weber fraction x84/x50 - 1.
 using ParameterPoint = std::array<double, kParameters>;
 
-/// Where a parameter may be. It is fixed when both ends are the same.
+/// Range of a parameter. It is fixed if both ends are equal.
 struct Support {
   double low = 0;
   double high = 0;
@@ -26,17 +26,17 @@ struct Support {
   [[nodiscard]] bool isFixed() const noexcept { return low == high; }
 };
 
-/// The model of one fit: its data, what is free, and the priors.
+/// Model of one fit: data, free parameters and priors.
 ///
 /// Priors, with R the range of the levels on the axis and d the least distance between two of them (psignifit's,
 /// Schuett et al. 2016; docs/reference/psychometrics.md):
-/// - threshold: flat over the range, a cosine's fall to 0 over R/2 on either side;
-/// - width: flat from 2 d to R, a cosine's rise from d and its fall to 3 R;
+/// - threshold: flat over the range, falling to 0 as a cosine over R/2 on either side;
+/// - width: flat from 2 d to R, rising as a cosine from d and falling to 3 R;
 /// - Weber fraction v of weber sigmoids: 1/v^2, which is flat in the sensitivity 1/v; for widths from d/4 to 3 R;
-/// - lapse and guess rate: Beta(1, 10) up to 1/2, of weber sigmoids Beta(1, 60); eta: Beta(1, 10).
+/// - lapse and guess rate: Beta(1, 10) up to 1/2, for weber sigmoids Beta(1, 60); eta: Beta(1, 10).
 class Model {
  public:
-  /// @throws InvalidParameter when the options and levels make no sense, alone or together.
+  /// @throws InvalidParameter for invalid options or levels, alone or in combination.
   Model(std::span<const Level> levels, const FitOptions& options);
 
   [[nodiscard]] const std::vector<Level>& levels() const noexcept { return levels_; }
@@ -45,22 +45,22 @@ class Model {
   [[nodiscard]] bool isLogarithmic() const noexcept { return log_axis_; }
   [[nodiscard]] int freeParameters() const noexcept;
 
-  /// The width on the axis that a value of kScale means.
+  /// Returns the width on the axis for a value of kScale.
   [[nodiscard]] double widthOf(double scale) const noexcept;
-  /// Its inverse.
+  /// Inverts widthOf().
   [[nodiscard]] double scaleOf(double width) const noexcept;
-  /// The guess rate at a point: its own, or the lapse rate, or 1/n.
+  /// Returns the guess rate at a point: its value, the lapse rate or 1/n, by design.
   [[nodiscard]] double guessAt(const ParameterPoint& point) const noexcept;
   [[nodiscard]] PsychometricFunction functionAt(const ParameterPoint& point) const noexcept;
 
-  /// The logarithm of the parameter's prior density; 0 when it is fixed, minus infinity outside its support.
+  /// Returns the logarithm of the parameter's prior density; 0 if it is fixed, minus infinity outside its support.
   [[nodiscard]] double logPrior(int parameter, double value) const noexcept;
   [[nodiscard]] double logPrior(const ParameterPoint& point) const noexcept;
   [[nodiscard]] double logLikelihood(const ParameterPoint& point) const noexcept;
 
-  /// The same model without a prior of one parameter (its logarithm is 0), which lies in `support`.
+  /// Returns a model with a flat prior (logarithm 0) of one parameter over `support`.
   [[nodiscard]] Model withFlatPrior(int parameter, const Support& support) const;
-  /// The same model of other answers to the same stimuli, its priors unchanged.
+  /// Returns a model with other responses to the same stimuli and unchanged priors.
   [[nodiscard]] Model withAnswers(std::vector<Level> levels) const;
 
  private:
@@ -72,8 +72,8 @@ class Model {
   std::vector<Level> levels_;
   FitOptions options_;
   bool log_axis_ = false;
-  double first_ = 0, last_ = 0;  // the levels' ends on the axis
-  double least_distance_ = 0;    // on the axis
+  double first_ = 0, last_ = 0;  // range of the levels on the axis
+  double least_distance_ = 0;    // min. distance on the axis
   double width_prior_integral_ = 1;
   std::array<Support, kParameters> supports_;
   std::array<bool, kParameters> flat_ = {};  // parameters without a prior

@@ -12,10 +12,10 @@ namespace haptolith {
 namespace {
 
 constexpr int kMostEvaluations = 4000;
-constexpr double kFirstStep = 0.02;    // of a parameter's support
-constexpr double kImpossible = 1e300;  // for what minus infinity would be: NLopt wants numbers
+constexpr double kFirstStep = 0.02;    // fraction of a parameter's support
+constexpr double kImpossible = 1e300;  // replaces infinity, because NLopt requires finite numbers
 
-/// The free parameters, each scaled to 0...1 over its support; the scale by its logarithm.
+/// Free parameters, each scaled to 0...1 over its support; kScale by its logarithm.
 class FreeParameters {
  public:
   FreeParameters(const Model& model, const ParameterPoint& start, const std::optional<Pin>& pin)
@@ -105,7 +105,7 @@ ParameterPoint optimumFrom(const Model& model, const ParameterPoint& start, cons
   double least = 0;
   try {
     search.optimize(shares, least);
-  } catch (const nlopt::roundoff_limited&) {  // as near as numbers allow; `shares` holds the best
+  } catch (const nlopt::roundoff_limited&) {  // limit of numerical precision; `shares` is the best point
   }
   return parameters.point(shares);
 }

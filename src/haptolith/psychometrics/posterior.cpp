@@ -19,14 +19,14 @@ namespace {
 using AxisSizes = std::array<int, kParameters>;
 using AxisSupports = std::array<Support, kParameters>;
 
-// What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the last grid.
+// Log density below the best point (e^-9 = 1.2e-4) at which points are left out of the last grid.
 constexpr double kNegligibleMass = 9;
-constexpr std::size_t kHumps = 3;  // of the posterior, among which its maximum is looked for
+constexpr std::size_t kHumps = 3;  // peaks of the posterior that the search starts from
 constexpr AxisSizes kCoarseGrid{17, 17, 6, 6, 5};
-// Of the grid of the likelihood's peaks, which lie between any two stimuli where the function is narrow.
+// Grid sizes for the likelihood's peaks, which can be between any two stimuli if the function is narrow.
 constexpr AxisSizes kPosteriorPeaks{49, 12, 4, 4, 1};
-constexpr double kRounding = 1e-12;  // by which equal values may differ, as a share of them
-constexpr int kRounds = 3;           // of coarse grids, each over what the one before has left
+constexpr double kRounding = 1e-12;  // max. relative difference of equal values
+constexpr int kRounds = 3;           // rounds of coarse grids, each over the remaining range
 
 AxisSupports wholeSupport(const Model& model) {
   AxisSupports supports;
@@ -44,7 +44,7 @@ AxisSizes fineSizes(const Model& model) {
   return {grid.threshold, grid.width, grid.asymptotes, grid.asymptotes, grid.overdispersion};
 }
 
-/// The Weber fraction has no scale of its own.
+/// Whether a parameter's axis is logarithmic, as for the Weber fraction, which has no natural scale.
 bool isLogarithmic(const Model& model, int parameter) {
   return parameter == kScale && isWeber(model.options().sigmoid);
 }
@@ -55,7 +55,7 @@ double between(const GridAxis& axis, double share) {
   return axis.logarithmic ? low * std::pow(high / low, share) : low + (high - low) * share;
 }
 
-/// Values from end to end, of rates and eta denser at the lower end, where they are most probable.
+/// Returns values over the range; for rates and eta denser at the lower end, where they are most probable.
 GridAxis coarseAxis(const Support& range, int size, bool logarithmic, bool dense_below) {
   GridAxis axis{.range = range, .logarithmic = logarithmic};
   if (range.isFixed()) {
@@ -71,7 +71,7 @@ GridAxis coarseAxis(const Support& range, int size, bool logarithmic, bool dense
   return axis;
 }
 
-/// Gauss's rule over the range, or over its logarithm.
+/// Returns a Gauss-Legendre rule over the range, or over its logarithm.
 GridAxis gaussAxis(const Support& range, int size, bool logarithmic) {
   GridAxis axis{.range = range, .logarithmic = logarithmic};
   if (range.isFixed()) {
@@ -121,13 +121,13 @@ PosteriorAxes gaussAxes(const Model& model, const AxisSupports& supports, const 
   return axes;
 }
 
-/// A point of a grid.
+/// Point of a grid.
 struct DensePoint {
   ParameterPoint point = {};
   double log_density = 0;
 };
 
-/// ln(likelihood times prior) on a grid.
+/// Values of ln(likelihood times prior) on a grid.
 class PosteriorGrid {
  public:
   PosteriorGrid(const Model& model, PosteriorAxes axes) : model_(model), axes_(std::move(axes)) {
@@ -143,8 +143,8 @@ class PosteriorGrid {
     evaluate();
   }
 
-  /// The part of the grid that holds all that is denser than `least`, by a cell more on either side; nothing where
-  /// there is none.
+  /// Returns the part of the grid with all points denser than `least`, plus one cell on either side; empty if there are
+  /// none.
   [[nodiscard]] std::optional<AxisSupports> narrowed(double least) const {
     Indices first{};
     Indices last{};
@@ -171,10 +171,10 @@ class PosteriorGrid {
 
   [[nodiscard]] const GridAxis& axis(int parameter) const noexcept { return axes_[parameter]; }
 
-  /// Of each pair of threshold and width the densest point.
+  /// Returns the densest point of each pair of threshold and width.
   [[nodiscard]] std::vector<DensePoint> densestOfPairs() const {
     const std::size_t pairs = axes_[kThreshold].values.size() * axes_[kScale].values.size();
-    const std::size_t block = log_density_.size() / pairs;  // the other parameters run faster
+    const std::size_t block = log_density_.size() / pairs;  // the other parameters vary faster
     std::vector<DensePoint> densest(pairs);
     forEachPoint([&](std::size_t at, const Indices& place) {
       DensePoint& of_pair = densest[at / block];
@@ -188,7 +188,7 @@ class PosteriorGrid {
     return densest;
   }
 
-  /// The sums over the grid.
+  /// Returns the sums over the grid.
   [[nodiscard]] Posterior summed() && {
     const auto best = std::ranges::max_element(log_density_);
     const double most = *best;
@@ -254,7 +254,7 @@ class PosteriorGrid {
     forEachPoint([&](std::size_t at, const Indices& place) {
       const auto value = [&](int i) { return axes_[i].values[place[i]]; };
       if (place[kOverdispersion] > 0) {
-        return;  // done with the first eta
+        return;  // already computed with the first eta
       }
       if (place[kLapse] == 0 && place[kGuess] == 0) {
         setShape(value(kThreshold), value(kScale), shape);
@@ -288,7 +288,7 @@ class PosteriorGrid {
   std::vector<double> log_density_;
 };
 
-/// The points of a grid that are denser than those with the next thresholds and widths, the densest first.
+/// Returns the local maxima of a grid over thresholds and widths, the densest first.
 std::vector<DensePoint> peaksOf(const PosteriorGrid& grid) {
   const std::vector<DensePoint> densest = grid.densestOfPairs();
   const std::ptrdiff_t widths = std::ssize(grid.axis(kScale).values);
@@ -324,8 +324,8 @@ std::vector<ParameterPoint> firstPoints(const std::vector<DensePoint>& peaks, st
   return points;
 }
 
-/// A box outside which the posterior's density is less than its maximum by a factor of e^depth or more. Coarse grids
-/// find all of its humps, the profile a ridge between the points of a grid.
+/// Returns a box outside of which the posterior's density is below its maximum by a factor of at least e^depth. Coarse
+/// grids find all of its peaks; the profile finds a ridge between the points of a grid.
 AxisSupports boxOf(const Model& model, double depth) {
   AxisSupports supports = wholeSupport(model);
   const PosteriorGrid whole(model, coarseAxes(model, supports));

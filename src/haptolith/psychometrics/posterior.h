@@ -9,49 +9,49 @@
 
 namespace haptolith {
 
-/// A value with its share of the posterior.
+/// Value with its posterior mass.
 struct WeightedValue {
   double value = 0;
   double mass = 0;
 };
 
-/// The values of one parameter in a grid, and what each of them stands for in a sum.
+/// Values of one parameter in a grid, with their weights in a sum.
 struct GridAxis {
   Support range = {};
-  bool logarithmic = false;          ///< the values lie evenly, or by Gauss's rule, in their logarithm
-  std::vector<double> values = {};   ///< one where the parameter is fixed
-  std::vector<double> weights = {};  ///< the same
+  bool logarithmic = false;          ///< whether the values are even, or by Gauss's rule, in their logarithm
+  std::vector<double> values = {};   ///< a single one if the parameter is fixed
+  std::vector<double> weights = {};  ///< one per value
 };
 
-/// The posterior of a model on a grid, summed by Gauss's rule in each free parameter.
+/// Posterior of a model on a grid, summed by a Gauss-Legendre rule in each free parameter.
 struct Posterior {
   std::array<GridAxis, kParameters> axes = {};
-  /// The mass of each value of a parameter, all others summed over; each sums to 1.
+  /// Marginal mass of each value of a parameter; each marginal sums to 1.
   std::array<std::vector<double>, kParameters> marginals = {};
-  /// The mass of each point; the last parameter runs fastest. Sums to 1.
+  /// Mass of each point; the last parameter varies fastest. Sums to 1.
   std::vector<double> mass = {};
-  ParameterPoint best = {};  ///< the densest point of the grid
+  ParameterPoint best = {};  ///< densest point of the grid
   double log_evidence = 0;   ///< ln of the integral of likelihood times prior
 };
 
-/// Sums the posterior where it is: first on coarse grids over the whole support, to find what to leave out.
+/// Sums the posterior over the region with non-negligible density, which coarse grids over the entire support find.
 [[nodiscard]] Posterior posteriorOf(const Model& model);
 
-/// Where the likelihood has its peaks on a coarse grid of threshold and width over the whole support, each with its
-/// most likely rates and a little overdispersion where that is free: at most `count`, the most likely first.
+/// Returns the peaks of the likelihood on a coarse grid of threshold and width over the entire support: at most
+/// `count`, the most likely first. Each has its most likely rates, and slight overdispersion if that is free.
 [[nodiscard]] std::vector<ParameterPoint> likelihoodPeaks(const Model& model, int count);
 
-/// The interval between the percentiles (1 - confidence)/2 and (1 + confidence)/2 of one parameter's marginal; where it
-/// is fixed, that value.
+/// Returns the interval between the percentiles (1 - confidence)/2 and (1 + confidence)/2 of one parameter's marginal;
+/// if it is fixed, that value.
 [[nodiscard]] Interval credibleInterval(const Posterior& posterior, int parameter, double confidence);
 
-/// The same of any values with their masses, which need not sum to 1. Half of the mass of equal values lies below them.
+/// As above for any values with their masses, which need not sum to 1. Half of the mass of equal values is below them.
 [[nodiscard]] Interval percentileInterval(std::vector<WeightedValue> values, double confidence);
 
-/// The point of the grid with this index into `mass`.
+/// Returns the point of the grid with this index into `mass`.
 [[nodiscard]] ParameterPoint pointOf(const Posterior& posterior, std::size_t index);
 
-/// `count` points, spread evenly over the posterior's mass.
+/// Returns `count` points, at even steps of the posterior's mass.
 [[nodiscard]] std::vector<ParameterPoint> drawsOf(const Posterior& posterior, int count);
 
 }  // namespace haptolith

@@ -16,28 +16,28 @@ namespace haptolith {
 
 namespace {
 
-constexpr int kScanned = 10;             // values between the best one and the end of the support
-constexpr int kHalvings = 8;             // of the distance between two of them
-constexpr double kFar = 1000;            // a quantity without an end is followed so many times its best value
-constexpr double kFirstDistance = 1e-3;  // of the distance to the end of the support
-constexpr double kLeastDistance = 1e-9;  // likewise: less than a billion answers leave open
-constexpr double kCloser = 4;            // times, until a distance is within the range
+constexpr int kScanned = 10;             // number of values between the best one and the end of the support
+constexpr int kHalvings = 8;             // number of bisections between two of them
+constexpr double kFar = 1000;            // search limit of an unbounded quantity, in units of its best value
+constexpr double kFirstDistance = 1e-3;  // fraction of the distance to the end of the support
+constexpr double kLeastDistance = 1e-9;  // fraction as above; less than the interval of a billion responses
+constexpr double kCloser = 4;            // factor of a shorter distance
 constexpr double kToleranceOfDistance = 0.1;
-constexpr double kRough = 1e-4;  // tolerance of the searches for a range that may be too large
+constexpr double kRough = 1e-4;  // tolerance of a search for a range that may be too wide
 
 }  // namespace
 
-/// What the profile is of.
+/// Quantity of a profile.
 struct Profile::Quantity {
   Parameter pinned = kThreshold;
-  bool logarithmic = false;  ///< how values between the best one and the end of the support lie
-  double tolerance = 1e-7;   ///< of searches
-  /// The value of the pinned parameter that gives the quantity its value, when the others are as in the point.
+  bool logarithmic = false;  ///< whether values are spaced logarithmically from the best one to the end of the support
+  double tolerance = 1e-7;   ///< tolerance of searches
+  /// Returns the value of the pinned parameter for a value of the quantity, with the other parameters of the point.
   std::function<double(const ParameterPoint&, double)> pinned_value = [](const ParameterPoint&, double value) {
     return value;
   };
 
-  /// The value at a share of the way from `best` to `bound`.
+  /// Returns the value at a fraction of the distance from `best` to `bound`.
   [[nodiscard]] double between(double best, double bound, double share) const {
     return logarithmic ? best * std::pow(bound / best, share) : best + (bound - best) * share;
   }
@@ -86,7 +86,7 @@ Support Profile::around(Parameter parameter) const {
   return {endBeyond(quantity, best, support.low), endBeyond(quantity, best, support.high)};
 }
 
-/// The last value on the way from the best one to `bound` that is near enough.
+/// Returns the farthest value from the best one towards `bound` that is near enough.
 double Profile::end(const Quantity& quantity, double best, double bound) const {
   if (best == bound) {
     return bound;
@@ -97,7 +97,7 @@ double Profile::end(const Quantity& quantity, double best, double bound) const {
   double outside = 1;
   for (int i = 1; i <= kScanned; ++i) {
     throwIfStopped();
-    const double share = double(i * i) / (kScanned * kScanned);  // closer where the range of many answers ends
+    const double share = double(i * i) / (kScanned * kScanned);  // denser near the best value
     if (is_near(share)) {
       inside = share;
       outside = 1;
@@ -109,7 +109,7 @@ double Profile::end(const Quantity& quantity, double best, double bound) const {
     return bound;
   }
   starts = starts_;
-  while (inside == 0 && outside > kLeastDistance) {  // the range of very many answers
+  while (inside == 0 && outside > kLeastDistance) {  // very many responses have a narrow range
     const double closer = outside / kCloser;
     (is_near(closer) ? inside : outside) = closer;
   }
@@ -120,7 +120,7 @@ double Profile::end(const Quantity& quantity, double best, double bound) const {
   return quantity.between(best, bound, (inside + outside) / 2);
 }
 
-/// A value beyond the end, found from the best one in growing steps.
+/// Returns a value beyond the end, found in growing steps from the best one.
 double Profile::endBeyond(const Quantity& quantity, double best, double bound) const {
   if (best == bound) {
     return bound;
@@ -133,7 +133,7 @@ double Profile::endBeyond(const Quantity& quantity, double best, double bound) c
   };
   double share = kFirstDistance;
   bool near = is_near(share);
-  while (!near && share > kLeastDistance) {  // the range of very many answers
+  while (!near && share > kLeastDistance) {  // very many responses have a narrow range
     share /= kCloser;
     near = is_near(share);
   }
@@ -144,7 +144,7 @@ double Profile::endBeyond(const Quantity& quantity, double best, double bound) c
   return share < 1 ? quantity.between(best, bound, share) : bound;
 }
 
-/// Whether the best point with this value falls short by no more than the depth; `starts` gains that point.
+/// Whether the best point with this value is within the depth of the maximum; adds that point to `starts`.
 bool Profile::isNear(const Quantity& quantity, double value, std::vector<ParameterPoint>& starts) const {
   const Pin pin{quantity.pinned, [&](const ParameterPoint& point) { return quantity.pinned_value(point, value); }};
   const Optimum found =

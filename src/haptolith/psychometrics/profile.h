@@ -9,20 +9,20 @@
 
 namespace haptolith {
 
-/// The ranges of quantities within which, whatever the other parameters are, the likelihood (or the posterior's
-/// density) stays near its maximum: its logarithm falls by no more than `depth`.
+/// Profile likelihood (or posterior density): ranges of quantities within which its logarithm, maximised over the other
+/// parameters, is at most `depth` below the maximum.
 class Profile {
  public:
-  /// @param starts  where searches begin besides the best point.
+  /// @param starts  starting points of searches, in addition to the best point.
   Profile(const Model& model, Objective objective, const Optimum& best, double depth,
           std::vector<ParameterPoint> starts = {});
 
-  /// Of a parameter, to within 0.3 % of its distance from the best point; where it is fixed, its value.
+  /// Returns the range of a parameter, to within 0.3 % of its distance from the best point; if it is fixed, its value.
   [[nodiscard]] Interval of(Parameter parameter) const;
-  /// Of the JND or the Weber fraction, where threshold and width decide it together.
+  /// Returns the range of the JND or the Weber fraction, if it depends on both threshold and width.
   [[nodiscard]] Interval of(Derived derived) const;
 
-  /// A range that holds that of a parameter and is no more than half again as far from the best point.
+  /// Returns a range that contains that of a parameter, at most 1.5 times as far from the best point.
   [[nodiscard]] Support around(Parameter parameter) const;
 
  private:
@@ -38,11 +38,11 @@ class Profile {
   std::vector<ParameterPoint> starts_;
 };
 
-/// The depth of a profile of the likelihood at the ends of a confidence interval.
+/// Returns the depth of a profile likelihood at the ends of a confidence interval.
 ///
-/// It is half the quantile of chi-square with one degree of freedom. Where the overdispersion is free, that has the
-/// part of a regression's variance, which is known from m levels less p other free parameters: m/2 ln(1 + t^2/(m - p)),
-/// with Student's quantile t of m - p degrees of freedom, is exact for a regression with normal errors.
+/// It is half the quantile of chi-square with one degree of freedom. A free overdispersion has the role of a
+/// regression's variance, estimated from m levels minus p other free parameters. Then it is m/2 ln(1 + t^2/(m - p)),
+/// with Student's quantile t of m - p degrees of freedom; this is exact for a regression with normal errors.
 [[nodiscard]] double confidenceDepth(const Model& model);
 
 }  // namespace haptolith

@@ -20,27 +20,27 @@ namespace haptolith {
 namespace {
 
 constexpr int kCurvePoints = 240;
-constexpr double kMargin = 0.06;  // of the axis, beyond the outermost stimuli
+constexpr double kMargin = 0.06;  // fraction of the axis beyond the outermost stimuli
 
-constexpr double kDodge = 0.006;  // of the axis, between the points of one participant and the next
+constexpr double kDodge = 0.006;  // fraction of the axis between the points of two participants
 
-// Okabe and Ito's colours, which the colour-blind can tell apart; the bold curve is black. Whoever comes after the last
-// colour has it again with another dash.
+// Okabe and Ito's colours, which colour-blind readers can discriminate; the bold curve is black. After the last colour
+// they repeat with another dash.
 constexpr std::array<std::string_view, 7> kColours{"#e69f00", "#56b4e9", "#009e73", "#cc79a7",
                                                    "#0072b2", "#d55e00", "#999999"};
 constexpr std::array<std::string_view, 3> kDashes{"dashtype 1", "dashtype (9,4)", "dashtype (2,3)"};
 constexpr std::string_view kBold = "#111111";
 
-/// How a curve and its points are drawn.
+/// Style of a curve and its points.
 struct Look {
   std::string_view colour = kBold;
   std::string_view dash = kDashes.front();
   double line_width = 3.5;
-  double dodge = 0;  // of the axis
+  double dodge = 0;  // fraction of the axis
   bool bold = true;
 };
 
-/// The look of the i-th of `count` participants: their points stand side by side.
+/// Returns the style of the i-th of `count` participants; their points are side by side.
 Look lookOf(std::size_t i, std::size_t count) {
   return {.colour = kColours[i % kColours.size()],
           .dash = kDashes[i / kColours.size() % kDashes.size()],
@@ -51,7 +51,7 @@ Look lookOf(std::size_t i, std::size_t count) {
 
 using Rows = std::vector<std::vector<double>>;
 
-/// The stimuli that are drawn, evenly along the axis.
+/// Returns the stimuli that are drawn, evenly along the axis.
 std::vector<double> stimuliOf(const PsychometricFigure& wanted) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -85,7 +85,7 @@ std::vector<double> stimuliOf(const PsychometricFigure& wanted) {
   return xs;
 }
 
-/// Builds one figure: gnuplot's data blocks, and its plot clauses in their order.
+/// Builds one figure: data blocks and plot clauses of gnuplot, in order.
 class Drawing {
  public:
   Drawing(Figure& figure, const PsychometricFigure& wanted, std::vector<double> xs)
@@ -102,7 +102,7 @@ class Drawing {
                           kBold, gnuplotQuoted(fmt::format("{:g} % band", 100 * fit.confidence))));
   }
 
-  /// Where half of the answers are positive, and how far the JND reaches from there.
+  /// Draws the threshold, where half of the responses are positive, and the JND from there.
   void drawMarks(const Fit& fit) {
     const PsychometricFunction& function = fit.function;
     const double x50 = function.threshold;
@@ -119,7 +119,7 @@ class Drawing {
     };
     add({{fit.threshold.interval.low, at50}, {fit.threshold.interval.high, at50}},
         "using 1:2 with lines linewidth 5 linecolor rgb '#888888'");
-    // Under the title: inside, answers would be beneath it.
+    // Under the title, because inside the key would cover responses.
     figure_.command(
         fmt::format("set label {} at graph 0.5,1.035 center textcolor rgb '{}'",
                     gnuplotQuoted(fmt::format("PSE {}; {} {}", told(fit.threshold), fit.w ? "Weber fraction" : "width",
@@ -171,7 +171,7 @@ class Drawing {
     plot_ += fmt::format("{}${} {}", plot_.empty() ? "plot " : ", \\\n     ", name, how);
   }
 
-  /// The drawn stimuli that the fit's own axis knows.
+  /// Returns the drawn stimuli that are valid on the fit's axis.
   [[nodiscard]] std::vector<double> defined(const Fit& fit) const {
     std::vector<double> xs = xs_;
     if (fit.function.log_axis) {
@@ -180,7 +180,7 @@ class Drawing {
     return xs;
   }
 
-  /// A stimulus moved by a share of the axis.
+  /// Returns a stimulus shifted by a fraction of the axis.
   [[nodiscard]] double dodged(double x, double share) const {
     return wanted_.log_axis ? x * std::pow(xs_.back() / xs_.front(), share) : x + share * (xs_.back() - xs_.front());
   }
@@ -196,7 +196,7 @@ class Drawing {
   int clauses_ = 0;
 };
 
-/// 1, 2 and 5 of every decade that is drawn; more of them where that is little, and no more than a dozen decades.
+/// Returns tics at 1, 2 and 5 of every drawn decade; more of them in a short range, and at most a dozen decades.
 std::string logarithmicTics(const std::vector<double>& xs) {
   const double decades = std::log10(xs.back() / xs.front());
   const std::vector<double> steps = decades < 0.8   ? std::vector{1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0}

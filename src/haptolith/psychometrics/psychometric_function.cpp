@@ -14,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kTail = 0.05;                        // the width goes from here to 1 - kTail
+constexpr double kTail = 0.05;                        // the width is from here to 1 - kTail
 constexpr double kGaussianWidth = 3.289707253902943;  // widths of 5 % to 95 %, in standard deviations: 2 Phi^-1(0.95)
 constexpr double kOneSigma = 0.8413447460685429;      // Phi(1)
 
@@ -36,12 +36,12 @@ std::vector<std::string> namesOf(const std::array<NamedKind<Kind>, kCount>& name
   return names;
 }
 
-/// Of Student's t with one degree of freedom.
+/// Returns the width of Student's t with one degree of freedom.
 double studentWidth() noexcept {
   return 2 * std::tan(std::numbers::pi * (0.5 - kTail));
 }
 
-/// The standard deviation of ln x that w gives, and its inverse.
+/// Converts w to the standard deviation of ln x; the next function is its inverse.
 double weberSigma(Sigmoid sigmoid, double w) noexcept {
   const double log = std::log1p(w);
   return sigmoid == Sigmoid::kWeberAsPrinted ? std::sqrt(log)
@@ -56,7 +56,7 @@ double weberOfSigma(Sigmoid sigmoid, double sigma) noexcept {
   return std::expm1(log);
 }
 
-/// The inverse of standardSigmoid().
+/// Inverts standardSigmoid().
 double standardPlace(Sigmoid sigmoid, double share) {
   HAPTO_ASSERT(share > 0 && share < 1);
   switch (sigmoid) {

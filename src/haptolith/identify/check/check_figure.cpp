@@ -10,11 +10,11 @@ namespace haptolith {
 namespace {
 
 constexpr int kWidth_px = 1200, kHeight_px = 470;
-// Two of Okabe and Ito's colours, which the colour-blind can tell apart.
+// Two of Okabe and Ito's colours, which colour-blind readers can discriminate.
 constexpr const char* kSoil = "#0072b2";
 constexpr const char* kStone = "#d55e00";
 
-/// A number of the soils, and how it is drawn.
+/// Quantity of the soils, and its plot settings.
 struct Panel {
   const char* title;
   const char* unit;

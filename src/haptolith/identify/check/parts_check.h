@@ -8,36 +8,36 @@
 
 namespace haptolith {
 
-/// In which order parts are made.
+/// Order of the parts.
 enum class PartOrder { kByGain, kAsLearned, kAtRandom };
 
-/// What is believed of a soil once a part more has been made.
+/// Belief about a soil after one more part.
 struct PartsStep {
   std::size_t part = 0;
-  double time_s = 0;  ///< that all parts until then took
+  double time_s = 0;  ///< duration of all parts until then
   SoilBelief belief;
-  SoilWidths expected;  ///< of the belief, before the part was made
+  SoilWidths expected;  ///< expected widths of the belief, before the part was made
 };
 
-/// A soil that is told part by part.
+/// Identification of a soil, part by part.
 struct PartsCourse {
   SoilState truth;
   SoilWidths before;
   std::vector<PartsStep> steps;
 
-  /// When no interval was wider any more than it may be; none: never.
+  /// Returns the time until all intervals are narrow enough; empty: never.
   [[nodiscard]] std::optional<double> timeUntil(const SoilWidths& wanted) const;
 };
 
-/// How soon each soil of a training that was sheared is told, left out of what the emulator learned, in some order of
-/// the parts; and whether intervals become as wide as was expected.
+/// Leave-one-out check: time to identify each sheared soil of a training, by the order of the parts, and whether the
+/// interval widths agree with the expected ones.
 class PartsCheck {
  public:
-  /// @param every  of so many of the soils, one. @throws as ForceEmulator.
+  /// @param every  stride over the sheared soils: 1 takes all. @throws as ForceEmulator.
   explicit PartsCheck(const Training& training, std::size_t every = 1);
 
   [[nodiscard]] std::vector<PartsCourse> courses(PartOrder order) const;
-  /// All that the parts take.
+  /// Returns the duration of all parts, in s.
   [[nodiscard]] double duration() const;
 
  private:
@@ -47,21 +47,21 @@ class PartsCheck {
   double temper_;
   std::vector<MovementPart> parts_;
   std::vector<std::size_t> sheared_;
-  std::vector<ForceEmulator> others_;  ///< without each of these
+  std::vector<ForceEmulator> others_;  ///< emulators, each trained without one of these
 };
 
-/// What holds of courses after so many parts.
+/// Statistics of the courses after a number of parts.
 struct PartsRow {
   std::size_t parts = 0;
-  double held_share = 0;      ///< of all 90 % intervals
-  SoilWidths median;          ///< of their widths
-  SoilWidths over_expected;   ///< median of widths over what was expected of them
-  double within_quarter = 0;  ///< share of the widths that are within a quarter of that
+  double held_share = 0;      ///< fraction of all 90 % intervals that contain the true number
+  SoilWidths median;          ///< median of their widths
+  SoilWidths over_expected;   ///< median of widths over expected widths
+  double within_quarter = 0;  ///< fraction of the widths within 25 % of the expected ones
 };
 [[nodiscard]] std::vector<PartsRow> partsRows(const std::vector<PartsCourse>& courses);
 
-/// The mean time until no interval is wider than it may be, where one that stays wider counts as if the parts were
-/// made `most_s` long; and how many soils come to it.
+/// Mean time until all intervals are narrow enough, and the number of soils that reach it. A soil that does not reach
+/// it counts with `most_s`.
 struct TimeUntil {
   double mean_s = 0;
   std::size_t soils = 0;

@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-/// A number of each soil.
+/// Estimates and true values of one quantity.
 struct Told {
   double truth;
   SoilEstimate estimate;
@@ -61,7 +61,7 @@ SoilCheck::SoilCheck(const Training& training, const Training& hidden) {
 
 std::vector<CheckedNumber> SoilCheck::numbers(bool with_stones) const {
   std::vector<Told> angles, cohesions, larger, tool;
-  constexpr double kLarge_pa = 250;  // of which 20 % are 50 Pa
+  constexpr double kLarge_pa = 250;  // 20 % of it are 50 Pa
   for (const CheckedSoil& soil : soils_) {
     if (soil.has_stone && !with_stones) {
       continue;

@@ -19,7 +19,7 @@ BedParameters bedFor(const SoilSample& sample, const DiggingField& field) {
   bed.depth_m = field.depth_m;
   bed.start = BedStart::kSettled;
   bed.seed = field.seed;
-  // As beds that are dug in want it: see BedParameters::sleep.
+  // As needed for beds that are dug in: see BedParameters::sleep.
   bed.sleep_speed_m_s = 0.01;
   bed.sleep_distance_m = sample.soil.radius_m / 100;
   if (sample.stone_size_m > 0) {

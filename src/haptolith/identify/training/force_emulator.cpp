@@ -18,11 +18,11 @@ namespace {
 constexpr std::size_t kBlock = ForceEmulator::kBlock;
 constexpr std::size_t kLeastRuns = 20;
 constexpr double kEmulatorLambda = 0.5;
-constexpr double kEmulatorNoise_n = 0.05;  ///< of a window, that the training is given: sensors have some
+constexpr double kEmulatorNoise_n = 0.05;  ///< sensor noise of a window, added to the training
 constexpr std::array kAxes{0, 1, 2};
 constexpr Eigen::Index kTerms = 9;
 
-/// The mean over a block; none: part of it was not measured.
+/// Returns the mean over a block; empty: part of it was not measured.
 std::optional<Vec3> blockMean(const MeasuredForces& forces, std::size_t window) {
   Vec3 sum_n = Vec3::Zero();
   for (std::size_t i = window; i < window + kBlock; ++i) {
@@ -34,9 +34,9 @@ std::optional<Vec3> blockMean(const MeasuredForces& forces, std::size_t window) 
   return Vec3(sum_n / static_cast<double>(kBlock));
 }
 
-/// Linear and quadratic terms.
+/// Returns linear and quadratic terms.
 Eigen::MatrixXd terms(const Eigen::MatrixXd& states) {
-  // About the middle, so that squares and slopes differ.
+  // Centred, so that linear and quadratic terms are independent.
   const Eigen::RowVector3d middle(35, -2, 0.4);
   const Eigen::RowVector3d spread(7, 0.9, 0.17);
   const Eigen::ArrayXXd z = (states.rowwise() - middle).array().rowwise() / spread.array();

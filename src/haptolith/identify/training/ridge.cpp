@@ -31,7 +31,7 @@ Eigen::MatrixXd shrunkCovariance(const Eigen::MatrixXd& rows, double freedom) {
   Eigen::MatrixXd beside = covariance;
   of_squares.diagonal().setZero();
   beside.diagonal().setZero();
-  constexpr double kLeast = 0.02;  // so that it can be inverted, however few the rows
+  constexpr double kLeast = 0.02;  // keeps the matrix invertible for few rows
   const double share = std::clamp(of_squares.sum() / n / std::max(beside.squaredNorm(), 1e-300), kLeast, 1.0);
   covariance -= share * beside;
   return covariance;

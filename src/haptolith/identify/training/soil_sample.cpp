@@ -10,7 +10,7 @@ namespace haptolith {
 
 namespace {
 
-/// Numbers in ranges, one after the other.
+/// Sequence of random numbers in ranges.
 class Draw {
  public:
   explicit Draw(std::uint64_t seed) : random_(seed) {}

@@ -8,35 +8,35 @@
 
 namespace haptolith {
 
-/// Soil of some kind, and what a tool meets in it.
+/// Soil of a training, with its conditions for the tool.
 struct SoilSample {
   SoilParameters soil;
   double tool_friction = 0.36;  ///< tan(delta)
-  double tool_adhesion_n = 0;   ///< of a contact, as ToolParameters::adhesion_n
-  double surface_error_m = 0;   ///< by which its surface is higher than the robot took it to be
-  double stone_size_m = 0;      ///< of a stone in the probe's way (stonePlace()); 0: there is none
+  double tool_adhesion_n = 0;   ///< adhesion of a contact, as ToolParameters::adhesion_n
+  double surface_error_m = 0;   ///< actual height of the surface minus the assumed one
+  double stone_size_m = 0;      ///< size of a stone in the probe's path (stonePlace()); 0: no stone
 };
 
-/// Its middle, in m from the middle of the surface.
+/// Returns the centre of the stone, in m from the centre of the surface.
 [[nodiscard]] inline Vec3 stonePlace() {
   return {-0.06, 0.032, -0.02};
 }
 
-/// What samples are drawn from, evenly; in the logarithm where it says so.
+/// Ranges of uniform distributions that samples are drawn from; uniform in the logarithm where stated.
 struct SampleRanges {
-  Range contact_friction;    ///< 0.12 to 0.6 are friction angles of 20 to 48 degrees, about
-  Range contact_cohesion_n;  ///< of contacts at 7 mm, in the logarithm; one soil in seven has none
+  Range contact_friction;    ///< 0.12 to 0.6 gives friction angles of about 20 to 48 degrees
+  Range contact_cohesion_n;  ///< cohesion of contacts for R = 7 mm, logarithmic; one soil in seven has none
   Range tool_friction;
-  Range adhesion_share;  ///< of the contacts' cohesion
+  Range adhesion_share;  ///< tool adhesion over the contacts' cohesion
   Range density_kg_m3;   ///< rho0
   Range radius_m;
-  Range stiffness_n_m;  ///< at 7 mm, in the logarithm
+  Range stiffness_n_m;  ///< for R = 7 mm, logarithmic
   Range size_spread;
   Range tangential_ratio;
   Range cohesion_range_ratio;
   Range surface_error_m;
   Range damping_ratio;
-  Range gamma_times;  ///< how much sooner or later contacts stiffen, in the logarithm
+  Range gamma_times;  ///< factor of the contacts' stiffening, logarithmic
 };
 
 inline constexpr SampleRanges kNearRanges{.contact_friction{0.12, 0.6},
@@ -67,14 +67,14 @@ inline constexpr SampleRanges kWideRanges{.contact_friction{0.15, 0.55},
                                           .damping_ratio{0.1, 0.4},
                                           .gamma_times{0.3, 3}};
 
-/// Soil number `number` of two endless rows of soils that differ in strength and in kind: size, spread and stiffness of
-/// their grains, how soon contacts stiffen, how far they cohere, damping, density. From kWideNumbers on they differ
-/// more in kind, and each tenth has a stone in it. The same on every machine.
+/// Returns soil `number` of two unlimited sequences of soils with different strength and kind: size, spread and
+/// stiffness of particles, stiffening and cohesion range of contacts, damping, density. From kWideNumbers the kinds are
+/// more diverse, and every tenth soil has a stone. Equal on every machine.
 [[nodiscard]] SoilSample soilSample(std::uint64_t number);
 inline constexpr std::uint64_t kWideNumbers = 1'000'000;
 
-/// The number of the soil that a training has as its `place`-th, from 1: first kNearSoils that differ less, then
-/// odd ones of those that differ more. And of one that no training has.
+/// Returns the number of a training's soil at `place`, from 1: first kNearSoils of the less diverse soils, then the odd
+/// ones of the more diverse soils. hiddenNumber() returns that of a soil that is in no training.
 inline constexpr std::uint64_t kNearSoils = 96;
 [[nodiscard]] constexpr std::uint64_t trainingNumber(std::uint64_t place) noexcept {
   return place <= kNearSoils ? place : kWideNumbers + 2 * (place - kNearSoils) - 1;

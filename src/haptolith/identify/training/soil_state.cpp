@@ -8,7 +8,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kDensity_kg_m3 = 1500;
-constexpr double kLength_m = 0.03;  ///< below it cohesion hardly counts beside weight, as deep as a tool digs
+constexpr double kLength_m = 0.03;  ///< digging depth; smaller cohesion is negligible compared with weight
 
 StateVector vectorOf(double angle_deg, double cohesion_m, double tool_friction) {
   return {angle_deg, std::log(cohesion_m + kLength_m), tool_friction};

@@ -13,7 +13,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kMapLambda = 0.3;
-constexpr double kLeastMeasured_pa = 15;  ///< a line's cohesion below it is scatter
+constexpr double kLeastMeasured_pa = 15;  ///< a fitted line's cohesion below it is scatter
 
 double contactStress(const SoilParameters& soil) {
   return soil.contact_cohesion_n / (soil.radius_m * soil.radius_m);
@@ -24,7 +24,7 @@ double relativeStiffness(const SoilParameters& soil) {
   return std::log(soil.stiffness_n_m / soil.radius_m * lunar.radius_m / lunar.stiffness_n_m);
 }
 
-/// How much sooner than lunar contacts of that size these stiffen.
+/// Returns the stiffening of contacts relative to lunar contacts of that size.
 double relativeStiffening(const SoilParameters& soil) {
   return std::log(soil.gamma_nm / rescaled(lunarContacts(), soil.radius_m).gamma_nm);
 }

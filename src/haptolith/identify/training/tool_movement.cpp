@@ -14,12 +14,12 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kAir_m_s = 0.15;  // from place to place
+constexpr double kAir_m_s = 0.15;  // between positions
 constexpr double kCut_m_s = 0.03;  // v^2 / (g d) is 0.03 on the Moon, 20 mm deep
 constexpr double kPress_m_s = 0.015;
-constexpr double kClear_m = 0.04;  // of the tool's lowest point above the soil, between two places
+constexpr double kClear_m = 0.04;  // height of the tool's lowest point above the soil between positions
 constexpr double kHold_s = 0.3;
-constexpr double kTravel_m = 0.07;  // of a cut
+constexpr double kTravel_m = 0.07;  // length of a cut
 
 constexpr double kUpright = std::numbers::pi / 2, kLeaning = std::numbers::pi / 3;
 constexpr std::array kParts{ProbePart{"press 8 mm", 0.08, -0.06, 0.008, 0},
@@ -29,12 +29,12 @@ constexpr std::array kParts{ProbePart{"press 8 mm", 0.08, -0.06, 0.008, 0},
                             ProbePart{"cut 20 mm, leaning", -0.1, 0.096, 0.02, kLeaning},
                             ProbePart{"cut 35 mm, leaning", -0.1, -0.032, 0.035, kLeaning}};
 
-/// A movement that grows from place to place. Heights are those of the shovel's lowest point.
+/// Builder of a movement. Heights are those of the shovel's lowest point.
 class Making {
  public:
   explicit Making(const ToolParameters& shovel) : shovel_(shovel) {}
 
-  /// @param rake_rad  of the blade over the horizontal ahead; 0: it lies flat.
+  /// @param rake_rad  angle of the blade over the horizontal ahead; 0: flat.
   void goTo(double x_m, double y_m, double lowest_m, double rake_rad, double speed_m_s) {
     const Vec3& size = shovel_.size_m;
     const Quat turn(Eigen::AngleAxisd(rake_rad, Vec3::UnitY()));

@@ -9,14 +9,14 @@
 
 namespace haptolith {
 
-/// A movement of a tool, straight and even from pose to pose: site_T_tool. Site frame: origin in the middle of the
-/// soil's first surface, z up.
+/// Movement of a tool, interpolated linearly between poses site_T_tool. Site frame: origin at the centre of the soil's
+/// initial surface, z up.
 class ToolMovement {
  public:
-  /// @param poses  two or more, later and later, the first at 0 s. @throws InvalidParameter otherwise.
+  /// @param poses  two or more, in ascending time from 0 s. @throws InvalidParameter otherwise.
   explicit ToolMovement(std::vector<TimedPose> poses);
 
-  /// Pose at `time_s`, in the frame of the poses given; the first before it, the last afterwards.
+  /// Returns the pose at `time_s`, in the frame of the poses; the first one before it, the last one afterwards.
   [[nodiscard]] Pose at(double time_s) const noexcept;
   [[nodiscard]] double duration() const noexcept { return poses_.back().time_s; }
   [[nodiscard]] const std::vector<TimedPose>& poses() const noexcept { return poses_; }
@@ -25,21 +25,21 @@ class ToolMovement {
   std::vector<TimedPose> poses_;
 };
 
-/// Whether two movements are one, but for what a file rounds.
+/// Whether two movements are equal up to the rounding of a file.
 [[nodiscard]] bool isSameMovement(const ToolMovement& one, const ToolMovement& other);
 
-/// A movement from which soil can be told: a shovel's face is pressed 8 and 14 mm into soil that nothing has touched,
-/// and the shovel is drawn 70 mm, its edge ahead, 20 and 35 mm deep, upright and leaning back by 30 degrees. 28 s, in
-/// a field of 260 mm by 250 mm; no two of these share their soil.
+/// Returns a movement for identifying soil. A shovel's face is pressed 8 and 14 mm into undisturbed soil. Then the
+/// shovel is drawn 70 mm with its edge ahead, 20 and 35 mm deep, upright and leaning back by 30 degrees. It takes 28 s
+/// in a field of 260 mm by 250 mm; its parts do not share soil.
 /// @throws InvalidParameter for a tool that is not a box of 30 to 60 mm by 30 to 50 mm.
 [[nodiscard]] ToolMovement probeMovement(const ToolParameters& shovel);
 
-/// What it is made of, in its order.
+/// Part of the probe movement; probeParts() returns them in order.
 struct ProbePart {
   const char* name;
-  double x_m, y_m;  ///< where it goes down
+  double x_m, y_m;  ///< position of its first contact
   double depth_m;
-  double rake_rad;  ///< of the blade over the horizontal ahead; 0: the face is pressed
+  double rake_rad;  ///< angle of the blade over the horizontal ahead; 0: the face is pressed
 };
 [[nodiscard]] std::span<const ProbePart> probeParts();
 

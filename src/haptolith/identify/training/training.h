@@ -11,37 +11,37 @@
 
 namespace haptolith {
 
-/// Strength as a shear test measures it.
+/// Strength from a simulated shear test.
 struct MeasuredStrength {
   ShearStrength residual, peak;
 };
 
-/// What one soil did to the tool, and how strong it is.
+/// Forces of one soil on the tool, with its strength.
 struct TrainingRun {
-  std::uint64_t number = 0;  ///< of soilSample(); less a million where it has that, the specimen's seed
+  std::uint64_t number = 0;  ///< number for soilSample(); modulo a million, the seed of the specimen
   SoilSample sample;
-  std::optional<MeasuredStrength> strength;  ///< none: it was not sheared
+  std::optional<MeasuredStrength> strength;  ///< empty: not sheared
   WindowForces forces;
 };
 
-/// A movement, and what many soils did to the tool that made it.
+/// Movement of a tool with the forces of many soils.
 struct Training {
   ToolMovement movement;
-  std::string tool;  ///< in words
+  std::string tool;  ///< description of the tool
   double gravity_m_s2 = 1.625;
   std::vector<TrainingRun> runs;
-  std::optional<double> temper;  ///< T of SoilIdentifier, once it has been found
+  std::optional<double> temper;  ///< T of SoilIdentifier, if known
 };
 
-/// What a shear test under 300, 1000 and 3000 Pa measures. @throws as shearTest().
+/// Simulates a shear test under 300, 1000 and 3000 Pa. @throws as shearTest().
 [[nodiscard]] MeasuredStrength measuredStrength(const SoilParameters& soil, double gravity_m_s2, std::uint64_t seed,
                                                 const LabProgress& progress = {});
 
-/// Of so many soils that differ less in kind one is sheared, which takes longer than to dig in it: strength goes
-/// smoothly with contacts. Of the others each one is.
+/// Stride of the sheared soils among the less diverse ones: shearing takes longer than digging, and strength depends
+/// smoothly on contacts. All of the more diverse soils are sheared.
 inline constexpr std::uint64_t kShearedEvery = 3;
 
-/// Digs in soil `number`, and shears it when its turn comes. Takes a minute.
+/// Simulates digging in soil `number`, and shears it if it is one of the sheared soils. Takes a minute.
 /// @throws as shearTest() and digAlong().
 [[nodiscard]] TrainingRun trainingRun(const ToolMovement& movement, const ToolParameters& tool,
                                       const DiggingField& field, std::uint64_t number,

@@ -26,12 +26,12 @@ constexpr int kVersion = 1;
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;
 constexpr std::size_t kMostRuns = 10000, kMostWindows = 10000;
 
-/// One number of a soil sample, as the file calls it.
+/// Number of a soil sample, with its key in the file.
 struct SampleKey {
   std::string name;
   Range valid;
   double SoilParameters::*of_soil;
-  double SoilSample::*of_sample = nullptr;  ///< unless it is the soil's
+  double SoilSample::*of_sample = nullptr;  ///< null for a member of the soil
 
   [[nodiscard]] double& in(SoilSample& sample) const {
     return of_sample == nullptr ? sample.soil.*of_soil : sample.*of_sample;
@@ -53,7 +53,7 @@ const std::vector<SampleKey>& sampleKeys() {
   return kKeys;
 }
 
-/// What a number is worth in a file that others read: six digits.
+/// Rounds a number to six digits for the file.
 double rounded(double value) {
   return std::stod(fmt::format("{:.6g}", value));
 }
@@ -112,7 +112,7 @@ std::string trainingText(const Training& training) {
     }
     poses.push_back(row);
   }
-  // One line for each run: what changes is then seen.
+  // One line per run, so that changes are visible in a diff.
   std::string text = fmt::format(
       "{{\"haptolith_training\": {},\n\"tool\": {},\n\"gravity_m_s2\": {},\n\"window_s\": {},\n"
       "{}\"poses\": {},\n\"runs\": [",
@@ -153,7 +153,7 @@ Training parseTraining(std::string_view text, std::string_view name) {
     training.temper = file.at("temper").number({0.1, 1000});
   }
   training.tool = file.has("tool") ? file.at("tool").text() : "";
-  std::map<std::uint64_t, std::string> places;  // of the runs by their numbers
+  std::map<std::uint64_t, std::string> places;  // keys of the runs by their numbers
   for (const JsonValue& node : file.at("runs").list(0, kMostRuns)) {
     const TrainingRun run = runFrom(node, windows);
     if (const auto [same, is_new] = places.emplace(run.number, node.path()); !is_new) {

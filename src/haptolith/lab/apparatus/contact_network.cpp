@@ -16,7 +16,7 @@ namespace haptolith {
 
 namespace {
 
-/// Stiffness and damping of two particles of a soil against each other.
+/// Stiffness and damping of a contact between two particles of a soil.
 class PairSprings {
  public:
   PairSprings(const SoilParameters& coarsest, int class_a, int class_b)
@@ -30,12 +30,12 @@ class PairSprings {
 
   [[nodiscard]] double reach() const noexcept { return law_.cutoff_m; }
 
-  /// @param ratio  friction and cohesion over the soil's, as walls have.
-  /// @param towards  how fast the two come together over how fast the first moves: 2 with a mirror image.
+  /// @param ratio  friction and cohesion over the soil's, as for walls.
+  /// @param towards  approach speed of the two over the speed of the first: 2 with a mirror image.
   void set(ContactLink& link, double a_m, double ratio = 1, double towards = 1) const noexcept {
     const double hyperbola = law_.gamma_nm / std::pow(std::max(a_m, law_.a_thr_m) - law_.a_min_m, 2);
     const double gap_m = a_m - law_.diameter_m;
-    const double middle_m = law_.cohesion_range_m / 2;  // cohesion pulls harder with the gap up to here
+    const double middle_m = law_.cohesion_range_m / 2;  // cohesion grows with the gap up to here
     const double cohesion_n_m =
         4 * ratio * law_.cohesion_n / law_.cohesion_range_m * std::max(0.0, 1 - gap_m / middle_m);
     const double k = gap_m < 0 ? hyperbola : cohesion_n_m;
@@ -83,10 +83,9 @@ double around(double apart_m, double period_m, bool periodic) {
 
 using Weight = std::function<AlongAndAcross(const ContactLink&)>;
 
-/// Largest eigenvalue of sum over links of along n n^T + across (1 - n n^T), each between its two particles, by
-/// Lanczos: power iteration that remembers its last two directions. The upper end of a packing's spectrum is dense, and
-/// power iteration alone is still 1 % below after a hundred products; this is at 1e-6. Lost orthogonality only repeats
-/// values.
+/// Largest eigenvalue of sum over links of along n n^T + across (1 - n n^T), each between its two particles, by the
+/// Lanczos method. The upper end of a packing's spectrum is dense: after a hundred products power iteration is still
+/// 1 % too low, Lanczos has an error of 1e-6. Lost orthogonality only repeats eigenvalues.
 double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
   std::vector<AlongAndAcross> weights;
   for (const ContactLink& link : network.links) {
@@ -98,7 +97,7 @@ double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
     lighter[i] = 1 / std::sqrt(network.mass_ratio[static_cast<std::size_t>(i)]);
   }
   const auto times = [&](const Movement& x) {
-    // In coordinates x sqrt(m), in which all particles weigh the same.
+    // In coordinates x sqrt(m), in which all particles have the same mass.
     const Movement moved = lighter.size() == 0 ? x : Movement(x * lighter.asDiagonal());
     Movement force = Movement::Zero(3, x.cols());
     for (std::size_t l = 0; l < network.links.size(); ++l) {
@@ -128,7 +127,7 @@ double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
     diagonal.push_back(next.cwiseProduct(now).sum());
     next -= diagonal.back() * now + (beside.empty() ? 0 : beside.back()) * before;
     const double left = next.norm();
-    if (left <= 1e-9 * std::abs(diagonal.front())) {  // nothing else is reached from where it began
+    if (left <= 1e-9 * std::abs(diagonal.front())) {  // the Krylov space is exhausted
       break;
     }
     beside.push_back(left);
@@ -136,11 +135,11 @@ double largestEigenvalue(const ContactNetwork& network, const Weight& weight) {
     now = next / left;
   }
   beside.resize(diagonal.size() - 1);
-  // Of the size of 1: Eigen drops what is beside the diagonal once it is small against the diagonal's root, and of
-  // large numbers gives up before that, with values that are not the eigenvalues.
+  // Scaled to the order of 1: Eigen drops an off-diagonal value once it is small compared with the root of the
+  // diagonal. With large numbers it stops before that, with wrong eigenvalues.
   const double size = *std::ranges::max_element(diagonal);
   if (size <= 0) {
-    return 0;  // nothing touches
+    return 0;  // no contacts
   }
   const Eigen::VectorXd on = Eigen::Map<Eigen::VectorXd>(diagonal.data(), std::ssize(diagonal)) / size;
   const Eigen::VectorXd off = Eigen::Map<Eigen::VectorXd>(beside.data(), std::ssize(beside)) / size;

@@ -8,43 +8,43 @@
 
 namespace haptolith {
 
-/// What holds a particle along a contact and across it.
+/// Values along a contact's normal and across it.
 struct AlongAndAcross {
   double along = 0, across = 0;
 };
 
-/// Spring and damper of one contact, as the first particle feels them: a wall is its mirror image, which moves against
-/// it (bed/kernel/step_kernel.cpp), and so twice as stiff along the contact.
+/// Spring and damper of one contact, as they act on the first particle. A wall is its mirror image, which moves against
+/// it (bed/kernel/step_kernel.cpp); this doubles the stiffness along the contact.
 struct ContactLink {
   static constexpr std::int32_t kFixed = -1;
   std::int32_t first = 0;
-  std::int32_t second = kFixed;  ///< or a wall, a tool or a driven particle, none of which gives way
+  std::int32_t second = kFixed;  ///< kFixed: a wall, a tool or a driven particle
   Vec3 normal = Vec3::UnitZ();
   AlongAndAcross stiffness_n_m{}, damping_n_s_m{};
 };
 
-/// The contacts of a bed with contact friction as they are at one moment: what decides how short its steps must be.
+/// Contacts of a bed with contact friction at one moment; they determine its critical time step.
 ///
-/// Each contact is as stiff as its law there, and sticks: one that slides is softer. What is cohering only, across a
-/// gap, is in it, too. The turning of the contact forces themselves, at most 2 % of k, is not.
+/// Each contact has the stiffness of its law at its overlap, and sticks; a sliding contact is softer. Pairs that only
+/// cohere across a gap are included. The rotation of the contact forces themselves, at most 2 % of k, is not.
 struct ContactNetwork {
   std::size_t particles = 0;
-  double mass_kg = 0;                ///< of a particle of the soil's own radius
-  std::vector<double> mass_ratio{};  ///< of each particle over that; empty: all alike
+  double mass_kg = 0;                ///< mass of a particle with the soil's radius
+  std::vector<double> mass_ratio{};  ///< mass of each particle over mass_kg; empty: all equal
   std::vector<ContactLink> links;
 };
 
-/// @param bed  one with contact friction. Not for the tick.
+/// @param bed  a bed with contact friction. Not for the tick.
 [[nodiscard]] ContactNetwork contactNetwork(const Bed& bed);
 
-/// Adds what touches a tool. Its damping goes with the step (paper 21).
+/// Adds the contacts with a tool. Their damping depends on the step (paper 21).
 void addTool(ContactNetwork& network, const ToolParameters& tool, const Pose& scene_T_tool, double dt_s,
              const Bed& bed);
 
 /// Square of the highest natural frequency of the springs alone, in 1/s^2, to about 1e-6 of it.
 [[nodiscard]] double largestFrequencySquared(const ContactNetwork& network);
 
-/// How much of what the step can bear a step of `dt_s` asks of it; above 1 some movement grows.
+/// Returns the stability ratio of a step of `dt_s`; above 1 some movement grows.
 ///
 /// The semi-implicit step with damping of the last velocity is
 ///

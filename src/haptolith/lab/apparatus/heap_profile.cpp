@@ -14,11 +14,11 @@ namespace haptolith {
 
 namespace {
 
-// The part of the height that counts as flank, as in tests of grain: straight on real heaps, clear of tip and foot.
+// Range of the height that counts as flank, as in tests of grain: straight on real heaps, clear of tip and foot.
 constexpr double kFlankTop = 0.8;
 constexpr double kFlankFoot = 0.2;
 
-// So that rings and patches can be counted; far beyond any heap.
+// Keeps the numbers of rings and patches in range; far beyond any heap.
 constexpr double kMostRings = 1e6;
 
 using Patch = std::pair<int, int>;  // ring and sector
@@ -44,7 +44,7 @@ std::vector<HeapRing> surfaceRings(std::span<const Vec3> centres_m, const HeapCa
     }
   }
 
-  std::map<int, std::pair<HeapRing, int>> sums;  // of the patches, and how many
+  std::map<int, std::pair<HeapRing, int>> sums;  // sums over the patches, and number of patches
   for (const auto& [patch, top] : highest) {
     auto& [sum, patches] = sums[patch.first];
     sum.radius_m += top.radius_m;
@@ -59,7 +59,7 @@ std::vector<HeapRing> surfaceRings(std::span<const Vec3> centres_m, const HeapCa
   return rings;
 }
 
-/// From the highest ring outwards, what lies between 80 % and 20 % of its height.
+/// Returns the rings outside the highest one between 80 % and 20 % of its height.
 std::vector<HeapRing> flankOf(const std::vector<HeapRing>& rings) {
   const auto summit = std::ranges::max_element(rings, {}, &HeapRing::height_m);
   if (summit == rings.end()) {

@@ -17,17 +17,18 @@ namespace {
 constexpr double kTick_s = 1e-3;
 constexpr int kMostSubsteps = 1000;
 
-/// A test may press harder than a hand can: with 60 kPa soil that stands still trembles at the steps that are enough
-/// for 10 kPa, and rests at three quarters of them (docs/reports/performance.md).
+/// Factor by which steps are shorter than under a hand, because a test may press harder. Under 60 kPa soil at rest
+/// vibrates at the time steps that suffice for 10 kPa, and is at rest at three quarters of them
+/// (docs/reports/performance.md).
 constexpr double kShorterSteps = 4.0 / 3;
 
-/// Share of the volume that spheres fill when they jam at random (O'Hern et al. 2003: 0.64 for equal ones).
+/// Volume fraction of randomly jammed spheres (O'Hern et al. 2003: 0.64 for equal spheres).
 constexpr double kRandomPacking = 0.64;
 
 BedParameters bedParameters(const LabConditions& conditions, const LabBox& box, int classes = 1) {
   BedParameters bed;
   bed.soil = conditions.soil;
-  if (classes > 1) {  // where which are, the grains say
+  if (classes > 1) {  // the particles determine the share of each class
     bed.grading.fine_radius_m = GrainClasses::scale(classes - 1) * conditions.soil.radius_m;
     bed.grading.fine_width_m = box.width_m;
     bed.grading.fine_length_m = box.length_m;
@@ -114,7 +115,7 @@ std::vector<Float4> mixedGrains(const SoilParameters& soil, const std::vector<Ve
                                 std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<std::vector<Float4>> of_class(static_cast<std::size_t>(classes));
-  const double cell = 2 * soil.radius_m * (1 + soil.size_spread);  // of the largest that stands there
+  const double cell = 2 * soil.radius_m * (1 + soil.size_spread);  // diameter of the largest particle in the cell
   for (const Vec3& place : loose) {
     const std::size_t c = random() % of_class.size();
     const int along = 1 << c;
@@ -136,7 +137,7 @@ std::vector<Float4> mixedGrains(const SoilParameters& soil, const std::vector<Ve
 }
 
 std::size_t particlesFor(const SoilParameters& soil, double volume_m3) {
-  constexpr double kMost = 3e6;  // two gigabytes, and days
+  constexpr double kMost = 3e6;  // two gigabytes of memory and days of computing
   const double sphere = 4.0 / 3 * std::numbers::pi * std::pow(soil.radius_m, 3);
   const double particles = std::max(1.0, kRandomPacking * volume_m3 / sphere);
   if (!(particles <= kMost)) {
@@ -219,7 +220,7 @@ std::vector<Vec3> LabBed::soilCentres() const {
 double LabBed::surfaceHeight(double share) const {
   std::vector<float> tops;
   for (std::size_t i = 0; i < soil_; ++i) {
-    const float smaller = GrainClasses::scale(bed_.classOf(i)) - 1;  // its class's radius than the coarsest's, in these
+    const float smaller = GrainClasses::scale(bed_.classOf(i)) - 1;  // radius difference to class 0, in class-0 radii
     tops.push_back(bed_.state().position[i].z + smaller * static_cast<float>(conditions_.soil.radius_m));
   }
   const auto at = tops.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(soil_ - 1));
@@ -236,7 +237,7 @@ double LabBed::levelSurface() const {
   const double tips = surfaceHeight();
   const double top = std::max(tips - 3 * r, tips / 2);
   const double bottom = std::max(tips - 7 * r, tips / 4);
-  const auto grains_above = [&](double z) {  // of class 0, in parts by volume
+  const auto grains_above = [&](double z) {  // number of particles of class 0 with the same volume
     double grains = 0;
     for (std::size_t i = 0; i < soil_; ++i) {
       const double own_r = GrainClasses::scale(bed_.classOf(i)) * r;
@@ -255,7 +256,7 @@ double LabBed::bulkDensity(double bottom_m, double top_m) const {
     const double z = bed_.state().position[i].z;
     return z >= bottom_m && z < top_m;
   };
-  double grains = 0;  // of class 0
+  double grains = 0;  // in particles of class 0
   for (std::size_t i = 0; i < soil_; ++i) {
     grains += between(i) ? double{GrainClasses::scale(3 * bed_.classOf(i))} : 0;
   }
@@ -318,8 +319,8 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
 }
 
 void LabBed::settle(Preparation preparation) {
-  // Falling soil is slowed down to a speed in proportion to gravity: 20 s are enough on the Moon for half a metre of
-  // loose soil, on Ceres they are not. And the paper's friction lets soil sink slowly.
+  // Falling soil is slowed down to a speed proportional to gravity. On the Moon 20 s suffice for half a metre of loose
+  // soil, on Ceres they do not. The friction of the icra2021 model also makes soil sink slowly.
   const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2) * std::max(1.0, surfaceHeight() / 0.5) +
                            3 * sinkingTime(conditions_.soil, conditions_.gravity_m_s2, bed_.surfaceHeight(), dt_s_);
   if (preparation == Preparation::kDense) {
@@ -331,10 +332,10 @@ void LabBed::settle(Preparation preparation) {
 }
 
 void LabBed::settleUntilRest(double longest_s, std::string_view what, const Part& part) {
-  // At rest: slower than what a particle gains in falling by 1/500 of its radius.
+  // At rest: slower than the speed of a particle that has fallen by 1/500 of its radius.
   const double at_rest = std::sqrt(2 * conditions_.gravity_m_s2 * conditions_.soil.radius_m / 500) + 1e-6;
   constexpr double kBetweenLooks_s = 0.1;
-  constexpr double kHalf_s = 2;  // how long it takes is not known: half of it is reported after so long
+  constexpr double kHalf_s = 2;  // progress reaches one half after this time, because the total is unknown
   const auto fraction = [&part](double t) { return part.begin + t / (t + kHalf_s) * (part.end - part.begin); };
   for (double t = 0; t < longest_s; t += kBetweenLooks_s) {
     run(kBetweenLooks_s, what, {}, {fraction(t), fraction(t + kBetweenLooks_s)});

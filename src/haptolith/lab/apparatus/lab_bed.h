@@ -10,62 +10,62 @@
 
 namespace haptolith {
 
-/// How the soil comes into the box.
+/// Preparation of the soil in the box.
 enum class Preparation {
-  kDense,  ///< as if shaken: stronger before it fails than afterwards
-  kLoose,  ///< as if poured: yields until it is as strong as it gets
+  kDense,  ///< as if shaken: has a peak strength
+  kLoose,  ///< as if poured: has no peak, its strength only grows
 };
 
-/// What depth counts from. Grains are large, and their tips stand higher than the soil that they stand for.
+/// Zero of depth. Particles are large, and their tips are higher than the surface of the soil that they represent.
 enum class DepthFrom {
-  kTips,     ///< where a plate first meets any; for other tools the height under which 98 % of the grains have theirs
-  kSurface,  ///< where the soil would end if it were as dense up to there as it is below: LabBed::levelSurface()
+  kTips,     ///< first contact of a plate; for other tools the height below which 98 % of the particles have their tops
+  kSurface,  ///< surface of an equivalent soil of uniform density: LabBed::levelSurface()
 };
 
-/// The box a test is done in. Axes as in BedParameters.
+/// Box of a test. Axes as in BedParameters.
 struct LabBox {
   double width_m = 0.2, length_m = 0.2;
   bool periodic_x = false, periodic_y = false;
-  double wall_friction_ratio = 0;  ///< of the side walls: smooth, so that they stand for more soil
+  double wall_friction_ratio = 0;  ///< side-wall friction over the soil's; low, so that walls represent more soil
 };
 
-/// Centres for loose soil above `bottom_m`, about `particles` of them, at random on a grid wide enough that none touch;
-/// `inside` says where there may be soil. Lowest first. To be settled loosely every other storey stands over the gaps
-/// of the one below: particles do not turn, so with friction on a straight column of them would not fall.
+/// Returns about `particles` centres for loose soil above `bottom_m`, lowest first, at random on a grid without
+/// contacts. `inside` is true where there may be soil. For loose settling every other layer is over the gaps of the one
+/// below: particles do not rotate, so with friction a straight column of them would not fall.
 [[nodiscard]] std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::size_t particles,
                                           double bottom_m, std::uint64_t seed,
                                           const std::function<bool(const Vec3&)>& inside = {},
                                           Preparation preparation = Preparation::kDense);
 
-/// The same soil with grains of `classes` sizes (GrainClasses), a like volume of each, mixed at random: in a place of
-/// `loose` stands one grain of the coarsest class, or eight of half its radius, or so on. In whole groups of each
-/// class.
+/// Returns soil with particles of `classes` sizes (GrainClasses), mixed at random, with equal volume per class. Each
+/// position of `loose` gets one particle of the coarsest class, or eight of half its radius, and so on. Each class
+/// fills entire groups.
 [[nodiscard]] std::vector<Float4> mixedGrains(const SoilParameters& soil, const std::vector<Vec3>& loose, int classes,
                                               std::uint64_t seed);
 
-/// How many particles fill `volume_m3` when densely packed without load. @throws InvalidParameter for more than three
-/// million.
+/// Returns the number of particles that fill `volume_m3` when densely packed without load. @throws InvalidParameter for
+/// more than three million.
 [[nodiscard]] std::size_t particlesFor(const SoilParameters& soil, double volume_m3);
 
-/// Centres of a rough, tight plate over the whole box: closer together than particles are wide, at random heights of
-/// +-0.6 R around `height_m`.
+/// Returns the centres of a rough, tight plate over the entire box: closer together than a particle diameter, at random
+/// heights of +-0.6 R around `height_m`.
 [[nodiscard]] std::vector<Vec3> roughPlate(const SoilParameters& soil, const LabBox& box, double height_m,
                                            std::uint64_t seed);
 
-/// A box with soil, bodies made of driven particles (rough plates, floors) and a tool that goes where it is told: what
-/// every test is built of. Steps somewhat shorter than a bed in the hand, not in ticks of 1 ms.
+/// Box with soil, bodies made of driven particles (rough plates, floors) and a tool on a prescribed path. Every test is
+/// built of one. Its time steps are somewhat shorter than those of an interactive bed, and not tied to ticks of 1 ms.
 class LabBed {
  public:
-  /// @param bodies  centres of the particles of each body; they stand still until moveBody().
+  /// @param bodies  centres of the particles of each body; bodies are at rest until moveBody().
   /// @throws InvalidParameter as Bed, and when a step would have to be shorter than 1 us.
   LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Vec3>& soil_m,
          const std::vector<std::vector<Vec3>>& bodies_m = {}, const std::optional<ToolParameters>& tool = {});
 
-  /// The same with grains of each one's size, of several classes or one; bodies are of class 0.
+  /// As above, with particles of one or more classes, each with its size; bodies are of class 0.
   LabBed(const LabConditions& conditions, const LabBox& box, const std::vector<Float4>& soil, int classes,
          const std::vector<std::vector<Vec3>>& bodies_m);
 
-  /// A bed that starts as beds in the hand do, and a tool.
+  /// As above, with a bed that starts as an interactive one, and a tool.
   LabBed(const LabConditions& conditions, const BedParameters& bed, const ToolParameters& tool);
 
   [[nodiscard]] Bed& bed() noexcept { return bed_; }
@@ -73,49 +73,50 @@ class LabBed {
   [[nodiscard]] double dt() const noexcept { return dt_s_; }
   [[nodiscard]] double time() const noexcept { return time_s_; }
 
-  /// Particles 0 to soil() - 1 are soil, those behind belong to bodies.
+  /// Returns the number of soil particles. Particles 0 to soil() - 1 are soil; the rest belongs to bodies.
   [[nodiscard]] std::size_t soil() const noexcept { return soil_; }
   [[nodiscard]] Vec3 centre(std::size_t particle) const noexcept;
   [[nodiscard]] std::vector<Vec3> soilCentres() const;
 
-  /// Height under which `share` of the soil's particles have their top.
+  /// Returns the height below which a fraction `share` of the soil's particles have their tops, in m.
   [[nodiscard]] double surfaceHeight(double share = 0.98) const;
   [[nodiscard]] double surfaceHeight(DepthFrom from) const;
 
-  /// Height at which the same soil would end had it one density, that of 3 to 7 R below the tips, up to a sharp
-  /// surface: what equations of continua mean by theirs (Gibbs' dividing surface of mass).
+  /// Returns the height of the surface of an equivalent soil of uniform density, that of 3 to 7 R below the tips, in m.
+  /// This is the surface in continuum equations (Gibbs' dividing surface of mass).
   [[nodiscard]] double levelSurface() const;
 
-  /// Mass of the soil with its centres between two heights over the volume there, in kg/m^3, walls' shadows included.
+  /// Returns the mass of the soil with centres between two heights over the volume there, in kg/m^3. The depleted
+  /// layers at the walls are included.
   [[nodiscard]] double bulkDensity(double bottom_m, double top_m) const;
 
   void moveBody(std::size_t body, const Vec3& velocity_m_s) noexcept;
-  /// Force of the soil on a body in the last step, in N. Forces between its own particles cancel.
+  /// Returns the force of the soil on a body in the last step, in N, scene frame. Forces between its particles cancel.
   [[nodiscard]] Vec3 forceOnBody(std::size_t body) const noexcept;
   [[nodiscard]] Vec3 centreOfBody(std::size_t body) const noexcept;
 
   void placeTool(const Pose& scene_T_tool) noexcept { tool_pose_ = scene_T_tool; }
-  /// @param twist  of the tool's origin, scene frame.
+  /// @param twist  twist of the tool's origin, scene frame.
   void moveTool(const Twist& twist) noexcept { tool_twist_ = twist; }
   [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }  ///< scene_T_tool
-  /// Soil wrench of the last step, about the tool's origin, scene frame.
+  /// Returns the soil wrench of the last step, about the tool's origin, scene frame.
   [[nodiscard]] const Wrench& toolWrench() const noexcept { return wrench_; }
 
-  /// One step of the tool and the bed. @throws Failure when the bed is no longer sound.
+  /// Advances the tool and the bed by one time step. @throws Failure when the bed has failed.
   void step();
 
-  /// Steps for `duration_s`, calling `each` after every step and the conditions' progress now and then.
-  /// @throws Failure as step(), and when progress gives up.
+  /// Runs for `duration_s`; calls `each` after every step and the conditions' progress now and then.
+  /// @throws Failure as step(), and when progress cancels the test.
   void run(double duration_s, std::string_view what, const std::function<void()>& each = {}) {
     run(duration_s, what, each, {0, 1});
   }
 
-  /// Lets the soil fall until it rests. Densely: without friction and cohesion, which are then switched on, and it
-  /// rests again. Loosely: with them on, which leaves gaps. @throws Failure as run(), and when it never rests.
+  /// Lets the soil fall until it is at rest. Dense: without friction and cohesion, which are then switched on, until it
+  /// is at rest again. Loose: with them on, which leaves gaps. @throws Failure as run(), and when it does not settle.
   void settle(Preparation preparation = Preparation::kDense);
 
  private:
-  /// Fractions of what is reported as progress.
+  /// Range of the reported progress, in fractions.
   struct Part {
     double begin, end;
   };
@@ -125,7 +126,7 @@ class LabBed {
   LabConditions conditions_;
   double dt_s_;
   std::size_t soil_;
-  std::vector<std::size_t> body_begin_;  ///< one more than there are bodies
+  std::vector<std::size_t> body_begin_;  ///< first particle of each body, and the end
   Bed bed_;
   std::optional<ToolParameters> tool_;
   Pose tool_pose_;

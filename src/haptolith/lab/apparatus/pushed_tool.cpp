@@ -25,7 +25,7 @@ void validate(const Push& push) {
   requireInRange("loose_top_m", push.loose_top_m, {0, push.bed_depth_m});
 }
 
-/// Means over push.window_m around every push.sample_m; `raw` is sorted by depth.
+/// Returns means over push.window_m around every push.sample_m; `raw` is sorted by depth.
 std::vector<PushReading> resampled(const std::vector<PushReading>& raw, const Push& push) {
   std::vector<PushReading> readings;
   const auto samples = static_cast<int>(std::floor(push.depth_m / push.sample_m + 1e-9));
@@ -43,7 +43,7 @@ std::vector<PushReading> resampled(const std::vector<PushReading>& raw, const Pu
   return readings;
 }
 
-/// Depth, in `raw`'s own depths, at which contact begins.
+/// Returns the depth at which contact begins, on the depth scale of `raw`.
 double firstContact(const std::vector<PushReading>& raw, double contact_n) {
   const auto touching =
       std::ranges::find_if(raw, [&](const PushReading& reading) { return reading.force_n > contact_n; });
@@ -53,7 +53,7 @@ double firstContact(const std::vector<PushReading>& raw, double contact_n) {
   return touching->depth_m;
 }
 
-/// What lies in the box before it settles for the last time. A loose top is poured onto soil that has settled.
+/// Returns the soil in the box before it settles for the last time. A loose top is poured onto settled soil.
 std::vector<Vec3> soilFor(const LabConditions& conditions, const Push& push, const LabBox& box) {
   const auto fill = [&](double depth_m, double bottom_m, std::uint64_t seed, Preparation preparation) {
     const std::size_t particles = particlesFor(conditions.soil, box.width_m * box.length_m * depth_m);
@@ -77,7 +77,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
   validate(push);
   const SoilParameters& soil = conditions.soil;
   const LabBox box{.width_m = push.bed_width_m, .length_m = push.bed_width_m};
-  constexpr double kPushed = 0.4;  // of the test's time goes before
+  constexpr double kPushed = 0.4;  // fraction of the test's time before the push
   StagedProgress progress(conditions.progress);
   progress.enter(0, kPushed);
   LabConditions staged = conditions;
@@ -96,7 +96,7 @@ PushCurve pushIntoBed(const LabConditions& conditions, const Push& push) {
   bed.placeTool({{0, 0, highest - push.lowest_m}, push.scene_R_tool});
   bed.moveTool({{0, 0, -push.speed_m_s}, Vec3::Zero()});
   std::vector<PushReading> raw;
-  const double roughness = highest - curve.bed_depth_m + 3 * soil.radius_m;  // until it is in contact for certain
+  const double roughness = highest - curve.bed_depth_m + 3 * soil.radius_m;  // distance until contact is certain
   const double travel = roughness + push.zero_m - push.lowest_m + push.depth_m + push.window_m;
   progress.enter(kPushed, 1);
   bed.run(travel / push.speed_m_s, push.what, [&] {

@@ -17,7 +17,8 @@ namespace haptolith {
 
 namespace {
 
-/// The soil's analysis needs layers that carry the load; soft soil on a heavy world has none.
+/// Returns the analytical layers of the soil. The analysis needs layers that carry the load; under strong gravity soft
+/// soil has none.
 std::vector<Layer> analysedLayers(const LabConditions& conditions, double depth_m) {
   try {
     return layersToDepth(conditions.soil, conditions.gravity_m_s2, depth_m);
@@ -26,13 +27,13 @@ std::vector<Layer> analysedLayers(const LabConditions& conditions, double depth_
   }
 }
 
-/// Where the soil of a column begins: the mass above a height, as a parabola through all of the upper soil but its
-/// rough top, for density grows with depth, is 0 there. `heights` of equal particles, highest first.
+/// Returns the height of a column's surface. There the mass above a height is zero, by a parabola through the upper
+/// soil except its rough top; a parabola because density grows with depth. `heights` of equal particles, highest first.
 double surfaceOf(const std::vector<double>& heights, double radius_m) {
-  const double roof = heights[heights.size() / 100];  // where soil is as dense as below, nearly
+  const double roof = heights[heights.size() / 100];  // height below which the density is almost that of the soil below
   const double top = roof - 2 * radius_m;
   const double bottom = std::max(roof - 20 * radius_m, (roof + heights.back()) / 2);
-  // In units of the fitted depth, so that the normal equations are sound.
+  // In units of the fitted depth, so that the normal equations are well conditioned.
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Vec3 right = Vec3::Zero();
   for (std::size_t above = 0; above < heights.size() && heights[above] >= bottom; ++above) {
@@ -44,7 +45,7 @@ double surfaceOf(const std::vector<double>& heights, double radius_m) {
     }
   }
   const Vec3 fit = normal.ldlt().solve(right);
-  // The root of c + b x + a x^2 next to 0, in the form that is sound when a is small.
+  // The root of c + b x + a x^2 next to 0, in the form that is stable for small a.
   const double root = std::sqrt(std::max(0.0, fit[1] * fit[1] - 4 * fit[2] * fit[0]));
   return roof + 2 * fit[0] / (fit[1] + root) * (roof - bottom);
 }
@@ -70,7 +71,7 @@ void validate(const SettleOptions& options) {
 
 SettleResult settleTest(const LabConditions& conditions, const SettleOptions& options) {
   validate(options);
-  constexpr double kMostCompaction = 1.45;  // of soft soil under its own weight, over random packing
+  constexpr double kMostCompaction = 1.45;  // max. compaction of soft soil under its weight, over random packing
   const double side = options.width_diameters * 2 * conditions.soil.radius_m;
   const double area = side * side;
   const LabBox box{.width_m = side, .length_m = side, .periodic_x = true, .periodic_y = true};
@@ -78,7 +79,7 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   LabBed lab(conditions, box, looseSoil(conditions.soil, box, particles, 0, conditions.seed));
   lab.settle();
 
-  // The floor takes half a diameter of volume; centres lie above it. So mass above a height is counted, not below.
+  // The floor takes up half a diameter of volume, because centres are above it. So the mass above a height is counted.
   std::vector<double> heights;
   for (const Vec3& centre : lab.soilCentres()) {
     heights.push_back(centre.z());

@@ -7,9 +7,9 @@
 
 namespace haptolith {
 
-/// What differs between two JSON objects: a sentence for each of the first values, then "and N more"; none when they
-/// are the same, in whatever order.
-/// @param wording  of the sentence: the value's place ("body"), what it was before, what it is now.
+/// Describes the differences between two JSON objects: one sentence for each of the first values, then "and N more".
+/// Empty when they are equal; order does not matter.
+/// @param wording  makes a sentence of the value's path ("body"), its old value and its new value.
 [[nodiscard]] std::vector<std::string> differences(const nlohmann::ordered_json& before,
                                                    const nlohmann::ordered_json& now, const std::string& wording);
 

@@ -53,7 +53,7 @@ Json read(const fs::path& path) {
 ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportThere if_there,
                            std::vector<std::string> pages)
     : path_(path.has_filename() ? path : path.parent_path()), pages_(std::move(pages)) {
-  const Json now = Json::parse(textOf(conditions));  // what is not finite is null, as in the file
+  const Json now = Json::parse(textOf(conditions));  // values that are not finite become null, as in the file
   if (!fs::exists(fs::symlink_status(path_))) {
     const AtomicFolder made(path_);
     made.write(kReportConditions, textOf(now));
@@ -86,7 +86,7 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
   fs::create_directories(path_ / kResults);
 }
 
-/// Takes away what a report is made of, and nothing else.
+/// Removes the files of a report, and no other files.
 void ReportFolder::removeReport() const {
   std::vector<fs::path> files;
   for (const std::string& page : pages_) {

@@ -14,13 +14,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// JSON knows no infinity and no NaN: null stands for them.
+// JSON has no infinity and no NaN: they are written as null.
 
 double numberOr(const Json& json, double otherwise) {
   return json.is_null() ? otherwise : json.get<double>();
 }
 
-/// Finding `i` of one model, over the seeds that are there.
+/// Returns finding `i` of one model, over the seeds that are done.
 ReportValue valueOf(const ReportCell& cell, std::size_t i, const Finding& wanted) {
   std::vector<Finding> specimens;
   std::string why_not;
@@ -108,7 +108,7 @@ std::string reportName(const LabTest& test) {
 }
 
 std::vector<ReportRow> reportRows(const LabTest& test, const ReportCell& contact, const ReportCell& paper) {
-  std::vector<Finding> findings;  // of any that has them: what is measured is the same
+  std::vector<Finding> findings;  // from any model that has them; both have the same quantities
   for (const ReportCell* cell : {&contact, &paper}) {
     for (const auto& result : *cell) {
       if (result && findings.empty()) {
@@ -118,7 +118,7 @@ std::vector<ReportRow> reportRows(const LabTest& test, const ReportCell& contact
   }
   if (findings.empty()) {
     Finding none;
-    none.accepted = Range{};  // it should have worked
+    none.accepted = Range{};  // a missing number is a failure
     return {{reportName(test), test.description, "", valueOf(contact, 0, none), valueOf(paper, 0, none)}};
   }
   std::vector<ReportRow> rows;

@@ -12,14 +12,14 @@
 
 namespace haptolith {
 
-/// What one test gave with one model of friction and one seed, as far as the page needs it.
+/// Result of one test with one friction model and one seed, as far as the page needs it.
 struct ReportResult {
-  std::vector<Finding> findings;  ///< none when the test failed outright
-  std::string why_not;            ///< then
+  std::vector<Finding> findings;  ///< empty when the test failed
+  std::string why_not;            ///< cause of the failure
   double took_s = 0;
 };
 
-// As JSON, which the functions below read back to the last bit.
+// Conversions to JSON; the functions below read it back bit-identically.
 [[nodiscard]] nlohmann::ordered_json jsonOf(const Finding& finding);
 [[nodiscard]] nlohmann::ordered_json jsonOf(const ReportResult& result);
 
@@ -29,13 +29,13 @@ struct ReportResult {
 /// @throws nlohmann::json::exception for anything else.
 [[nodiscard]] ReportResult resultFrom(const nlohmann::ordered_json& json);
 
-/// One test with one model of friction: a place for each seed, empty where the test has not been done yet.
+/// Results of one test with one friction model, one per seed; empty where the test has not been done yet.
 using ReportCell = std::vector<std::optional<ReportResult>>;
 
-/// The test's name in the report.
+/// Returns the test's name in the report.
 [[nodiscard]] std::string reportName(const LabTest& test);
 
-/// The rows of one test in the table: its findings, both models side by side.
+/// Returns the table rows of one test: its findings, with both models side by side.
 [[nodiscard]] std::vector<ReportRow> reportRows(const LabTest& test, const ReportCell& contact,
                                                 const ReportCell& paper);
 

@@ -1,4 +1,4 @@
-// The blade test as others offer it: options, table, numbers, findings.
+// Catalogue entry of the blade test: options, table, numbers, findings.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,13 +21,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Strength within the range of the equations: scatter may leave it.
+/// Clamps a strength to the range of the equations; scatter may exceed it.
 MohrCoulomb inRange(const MohrCoulomb& strength) {
   return {.friction_angle_rad = std::clamp(strength.friction_angle_rad, radians(5), radians(59)),
           .cohesion_pa = std::max(0.0, strength.cohesion_pa)};
 }
 
-/// A row of the table: what was measured, and what each equation says; none: it says nothing.
+/// Returns a row of the table: the simulated value, and that of each equation if it has one.
 std::string tableRow(std::string_view what, const std::string& measured,
                      const std::vector<std::optional<double>>& equations_n) {
   std::string row = fmt::format("  {:<29}  {:<17}", what, measured);
@@ -84,7 +84,7 @@ std::string table(const BladeResult& result, const BladeOptions& options) {
   return text;
 }
 
-/// What equations say, null where they say nothing.
+/// Returns the values of the equations; null where an equation does not apply.
 Json equationsJson(const BladeEquations& equations) {
   const auto number = [](const auto& force, auto value, double unit) {
     return force ? Json((*force).*value / unit) : Json(nullptr);
@@ -100,7 +100,7 @@ Json equationsJson(const BladeEquations& equations) {
           {"wedge_crescent_width_mm", number(equations.wedge, &WedgeForce::crescent_width_m, kMm)}};
 }
 
-/// What they say with the peak strength, and in `residual` with the residual; null: not known.
+/// Returns the values with the peak strength, and in `residual` those with the residual strength; null: unknown.
 Json expectationJson(const BladeExpectation& expected, const std::optional<MohrCoulomb>& residual) {
   Json json = equationsJson(expected.undisturbed);
   json["residual"] = nullptr;
@@ -117,11 +117,11 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
     throw InvalidParameter("soil_cohesion_pa", fmt::format("{:g}", options.cohesion_pa),
                            "given beside friction_angle_deg: without that, shearing tells both");
   }
-  validate(conditions, options);  // what it refuses is refused now, not after minutes
+  validate(conditions, options);  // fails now, not after minutes
   StagedProgress progress(conditions.progress);
   LabConditions staged = conditions;
   staged.progress = progress.inner();
-  const double blade_from = own_strength ? 0 : 0.5;  // of the test's time goes before
+  const double blade_from = own_strength ? 0 : 0.5;  // fraction of the test's time before the blade
   progress.enter(0, blade_from);
   if (!own_strength) {
     const BladeStrength strength = strengthBeforeBlade(staged, options.preparation);

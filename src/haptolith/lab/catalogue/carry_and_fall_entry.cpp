@@ -1,4 +1,4 @@
-// The loaded shovel and the fall as others offer them: options, table, numbers, findings.
+// Catalogue entries of the payload and free-fall tests: options, table, numbers, findings.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To be shown with so many digits: never as -0.
+/// Rounds to a number of digits for display; never returns -0.
 double rounded(double value, int digits) {
   const double scale = std::pow(10, digits);
   return std::round(value * scale) / scale + 0.0;

@@ -15,7 +15,7 @@ inline constexpr double kMm = 1e-3;
   return degrees * std::numbers::pi / 180;
 }
 
-// The tests; each call gives one with options of its own.
+// Catalogue entries; each call returns a test with separate options.
 [[nodiscard]] LabTest settleEntry();
 [[nodiscard]] LabTest shearEntry();
 [[nodiscard]] LabTest reposeEntry();

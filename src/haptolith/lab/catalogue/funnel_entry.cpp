@@ -1,4 +1,4 @@
-// The funnel test as others offer it: options, table, numbers, findings.
+// Catalogue entry of the hopper test: options, table, numbers, findings.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

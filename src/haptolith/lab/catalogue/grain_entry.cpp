@@ -1,4 +1,4 @@
-// The roughness of a force by size of grain as others offer it: options, table, numbers, findings.
+// Catalogue entry of the test of force roughness against particle size: options, table, numbers, findings.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -12,7 +12,7 @@ namespace haptolith {
 
 namespace {
 
-/// An option for a number that is kept in SI and given in another unit.
+/// Returns an option for a number that is stored in SI and given in another unit.
 LabOption inUnit(std::string key, double& value, double unit, std::string usual, std::string help) {
   return {.key = std::move(key),
           .help = std::move(help),

@@ -25,12 +25,13 @@ SoilParameters soilForTest(SoilParameters soil, double radius_mm, const SoilChan
 
 namespace {
 
-/// "depth" of "depth_mm".
+/// Removes the unit: "depth" from "depth_mm".
 std::string_view withoutUnit(std::string_view name) {
   return name.substr(0, name.rfind('_'));
 }
 
-/// What a test refuses as the option has it that was given: rake_rad as rake_deg, diameter_m as plate_diameter_mm.
+/// Converts an error of a test to the key and unit of the option: rake_rad to rake_deg, diameter_m to
+/// plate_diameter_mm.
 InvalidParameter inUnitOfOption(const InvalidParameter& error, const std::vector<LabOption>& options) {
   const std::string_view wanted = withoutUnit(error.key());
   for (const LabOption& option : options) {
@@ -42,7 +43,7 @@ InvalidParameter inUnitOfOption(const InvalidParameter& error, const std::vector
   return error;
 }
 
-/// The same test, which speaks of its options in their own units.
+/// Returns the test with errors in the units of its options.
 LabTest inUnitsOfOptions(LabTest test) {
   test.run = [run = std::move(test.run), options = test.options](const LabSoil& soil, const LabConditions& conditions) {
     try {

@@ -9,14 +9,13 @@
 
 namespace haptolith {
 
-/// Sets an option from a value of TOML. @throws InvalidParameter with the key, the value and what is valid.
+/// Sets an option from a TOML value. @throws InvalidParameter with the key, the value and the valid range.
 void setOption(const LabOption& option, const toml::node& node);
 
-/// Sets those that a table names. @throws InvalidParameter as setOption(), and for a key that is none, with those there
-/// are.
+/// Sets the options of a table. @throws InvalidParameter as setOption(), and for an unknown key, with the valid keys.
 void setOptions(const toml::table& table, const std::vector<LabOption>& options);
 
-/// Reads `text`, lines "key = value" of TOML. @throws InvalidParameter as setOptions().
+/// Reads `text`, TOML lines "key = value". @throws InvalidParameter as setOptions().
 void readOptions(std::string_view text, const std::vector<LabOption>& options);
 
 }  // namespace haptolith

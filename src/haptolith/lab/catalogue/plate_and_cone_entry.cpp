@@ -1,4 +1,4 @@
-// The plate and the cone as others offer them: options, table, numbers, findings.
+// Catalogue entries of the plate and cone tests: options, table, numbers, findings.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,11 +20,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What somebody says of the soil's strength, for bearing capacity.
+/// Given strength of the soil, for bearing capacity.
 struct Strength {
   std::optional<double> friction_angle_rad;
   double cohesion_pa = 0;
-  bool measured = false;  ///< by shearing the soil instead
+  bool measured = false;  ///< whether to shear the soil instead
 };
 
 void requireOneStrength(const Strength& strength) {
@@ -38,7 +38,7 @@ void requireOneStrength(const Strength& strength) {
   }
 }
 
-/// The plate beside a footing at the same depth, where it has sunk in by a tenth of its diameter.
+/// Compares the plate with a footing at the same depth, at a sinkage of a tenth of its diameter.
 void compareWithFooting(const PlateResult& result, const Footing& footing, LabOutput& output) {
   const double pressure_pa =
       forceAt(result.curve, std::min(footing.depth_m, result.curve.back().depth_m)) / result.area_m2;
@@ -62,7 +62,7 @@ void compareWithFooting(const PlateResult& result, const Footing& footing, LabOu
                             {"terzaghi_local_pa", local_pa}};
 }
 
-/// The strength of undisturbed soil, within what the equations of footings take.
+/// Returns the strength of undisturbed soil, clamped to the range of the footing equations.
 Strength measuredStrength(const LabConditions& conditions, Preparation preparation) {
   const MohrCoulomb line = undisturbedStrength(conditions, preparation, {1000, 2000, 4000});
   return {.friction_angle_rad = std::clamp(line.friction_angle_rad, 0.0, radians(50)),
@@ -70,7 +70,8 @@ Strength measuredStrength(const LabConditions& conditions, Preparation preparati
           .measured = true};
 }
 
-/// Slope of the force over the last third of the sinkage over that of the third before; 1: it grows in a straight line.
+/// Returns the slope of the force in the last third of the sinkage over that in the second; 1: the force grows
+/// linearly.
 double lateSlopeRatio(const PlateResult& result) {
   const PushReading& deepest = result.curve.back();
   const double a_third_n = forceAt(result.curve, deepest.depth_m / 3);
@@ -79,8 +80,8 @@ double lateSlopeRatio(const PlateResult& result) {
 }
 
 LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, Strength strength) {
-  constexpr double kSunk = 0.1;   // of the diameter
-  validate(conditions, options);  // what it refuses is refused now, not after minutes
+  constexpr double kSunk = 0.1;   // sinkage over the diameter
+  validate(conditions, options);  // fails now, not after minutes
   if (strength.measured) {
     strength = measuredStrength(conditions, options.preparation);
   }
@@ -91,7 +92,7 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
                   .friction_angle_rad = strength.friction_angle_rad.value_or(0),
                   .cohesion_pa = strength.cohesion_pa};
   if (strength.friction_angle_rad) {
-    (void)vesicBearing(footing);  // what it refuses is refused now, not after minutes
+    (void)vesicBearing(footing);  // fails now, not after minutes
   }
   const PlateResult result = plateTest(conditions, options);
   LabOutput output;

@@ -1,4 +1,4 @@
-// Our bed beside resistive force theory as others offer it: options, table, numbers.
+// Catalogue entry of the comparison with resistive force theory: options, table, numbers.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// The settle test as others offer it: options, table, numbers, findings.
+// Catalogue entry of the settle test: options, table, numbers, findings.
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -23,21 +23,21 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kTableDensity_kg_m3 = 1500;  ///< of lunarContacts() in the upper 15 cm, on the Moon
+constexpr double kTableDensity_kg_m3 = 1500;  ///< density of lunarContacts() in the upper 15 cm, on the Moon
 
 double degrees(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-/// How a strength differs from another one, each part over what counts as the same.
+/// Difference of two strengths, each component over its tolerance.
 Eigen::Vector2d distance(const ShearStrength& from, const ShearStrength& to) {
   constexpr double kAngle_deg = 0.5;
   const double cohesion_pa = std::max(0.06 * to.cohesion_pa, 20.0);
   return {(from.angle_deg - to.angle_deg) / kAngle_deg, (from.cohesion_pa - to.cohesion_pa) / cohesion_pa};
 }
 
-/// Broyden's method (1965) for the contact with the wanted strength: slopes come from the table at first, and then from
-/// what each shear test taught. Friction goes as it is, cohesion over that of the table's third row.
+/// Broyden's method (1965) for the contact with the wanted strength. Initial slopes come from the table; each shear
+/// test updates them. Variables: friction, and cohesion over that of the table's third row.
 class ContactSearch {
  public:
   ContactSearch(const ShearStrength& wanted, SoilStrength kind)
@@ -50,14 +50,14 @@ class ContactSearch {
       const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(axis);
       slopes_.col(axis) = (tabulated(at_ + step) - tabulated(at_ - step)) / (2 * kStep);
     }
-    if (!cohesive_) {  // nothing can lower the cohesion of none
+    if (!cohesive_) {  // a cohesion of zero cannot be lowered
       slopes_.row(1) = slopes_.col(1).transpose() = Eigen::RowVector2d(0, 1);
     }
   }
 
   [[nodiscard]] ContactStrength contact() const { return toContact(at_); }
 
-  /// What the present contact showed; the next one is better. True when it is good enough.
+  /// Updates the search with the strength found for the current contact. Returns true when it is within tolerance.
   bool learn(const ShearStrength& found) {
     Eigen::Vector2d error = distance(found, wanted_);
     error.y() = cohesive_ ? error.y() : 0;
@@ -70,7 +70,7 @@ class ContactSearch {
       return true;
     }
     const Eigen::Vector2d moved = at_ - before_;
-    constexpr double kScatter = 0.01;  // a shorter step says more about the specimens than about the slope
+    constexpr double kScatter = 0.01;  // a shorter step measures the specimens' scatter, not the slope
     if (steps_++ > 0 && moved.norm() > kScatter) {
       slopes_ += (error - error_before_ - slopes_ * moved) * moved.transpose() / moved.squaredNorm();
     }
@@ -110,9 +110,9 @@ SoilParameters withContact(SoilParameters soil, const ContactStrength& contact) 
   return soil;
 }
 
-/// k with which a contact that carries the stress `pressure_pa` of its particle's cross-section gives way by 2.8 % of
-/// R, or 0.35 % where it does not stiffen as it gives: then strength at three times the stress is what it is when twice
-/// as stiff, within the scatter of specimens (docs/explanation/contact-model.md).
+/// Returns k of a contact that carries the stress `pressure_pa` over its particle's cross-section with an overlap of
+/// 2.8 % of R, or 0.35 % for a linear spring. With it the strength at three times the stress equals that with twice the
+/// stiffness, within the scatter of specimens (docs/explanation/contact-model.md).
 double stiffnessFor(double pressure_pa, double radius_m, DensityProfile density) {
   const double overlap = density == DensityProfile::kLunar ? 0.028 : 0.0035;
   return 4 * radius_m * pressure_pa / overlap;
@@ -120,13 +120,13 @@ double stiffnessFor(double pressure_pa, double radius_m, DensityProfile density)
 
 constexpr int kSearchSeeds = 2;
 
-/// The progress of a calibration, in shear tests. How many rounds the search takes is not known: usually four.
+/// Progress of a calibration, in shear tests. The number of rounds of the search is not known; usually it is four.
 class CalibrationProgress {
  public:
   explicit CalibrationProgress(const CalibrateSoilOptions& options)
       : stages_(options.progress), verified_(options.verification_seeds) {}
 
-  /// Of the next test, which takes so many shear tests' time.
+  /// Returns the progress of the next test, which takes as long as `tests` shear tests.
   [[nodiscard]] LabProgress next(double tests) {
     const double begin = std::min(done_, until_);
     done_ += tests;
@@ -154,8 +154,8 @@ class CalibrationProgress {
   double verified_, done_ = 0, until_ = kSearch;
 };
 
-/// rho0 and rho_max, in their ratio, for which a settled column has the wanted mean density over its upper 15 cm.
-/// Contacts have no part in their scale, so neither has strength.
+/// Scales rho0 and rho_max together until a settled column has the wanted mean density over its upper 15 cm. Contacts
+/// do not depend on the scale, so strength does not either.
 double calibrateDensity(SoilParameters& soil, double bulk_density, const CalibrateSoilOptions& options,
                         CalibrationProgress& progress) {
   constexpr double kDepth_m = 0.15;
@@ -176,7 +176,7 @@ double calibrateDensity(SoilParameters& soil, double bulk_density, const Calibra
   return reached;
 }
 
-/// Strengths of specimens with some seeds.
+/// Returns the strengths of specimens with consecutive seeds.
 std::vector<ShearStrength> shear(const SoilParameters& soil, SoilStrength kind, const CalibrateSoilOptions& options,
                                  std::uint64_t first_seed, int seeds, CalibrationProgress& progress) {
   std::vector<ShearStrength> strengths;
@@ -196,8 +196,8 @@ Scatter scatterAmong(const std::vector<ShearStrength>& strengths, double ShearSt
   return scatterOf(numbers);
 }
 
-/// The first of `specimens` seeds that no calibration from another seed takes for the same: those of seed 1 begin at
-/// `from`.
+/// Returns the first of `specimens` seeds that no calibration from another seed uses for the same purpose; with seed 1
+/// they begin at `from`.
 std::uint64_t firstSeed(std::uint64_t from, std::uint64_t calibration_seed, int specimens) {
   return from + (calibration_seed - 1) * static_cast<std::uint64_t>(specimens);
 }

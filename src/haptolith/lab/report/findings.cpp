@@ -16,13 +16,13 @@ namespace haptolith {
 namespace {
 
 constexpr double kOneMm_m = 1e-3;
-constexpr double kDensityTolerance = 0.05;  // of the soil's own target
+constexpr double kDensityTolerance = 0.05;  // fraction of the soil's target
 
 double degreesFound(double radians) {
   return radians * 180 / std::numbers::pi;
 }
 
-/// Accepts what is `wanted` within `tolerance`.
+/// Returns the range `wanted` +- `tolerance`.
 Range near(double wanted, double tolerance) {
   return {wanted - tolerance, wanted + tolerance};
 }
@@ -35,7 +35,7 @@ Finding cohesionOf(std::string measured, double cohesion_pa) {
   return {std::move(measured), "", cohesion_pa, " Pa"};
 }
 
-/// Beside the strength that was measured of the soil.
+/// Sets target and tolerance from the measured strength of the soil.
 void judge(Finding& angle, Finding& cohesion, const SoilTarget& target) {
   const double wanted_deg = target.friction_angle_deg;
   const double wanted_pa = target.cohesion_pa;
@@ -46,14 +46,14 @@ void judge(Finding& angle, Finding& cohesion, const SoilTarget& target) {
   cohesion.accepted = near(wanted_pa, tolerance_pa);
 }
 
-/// Beside the density that was measured of the soil.
+/// Sets target and tolerance from the measured density of the soil.
 void judge(Finding& density, const SoilTarget& target) {
   const double wanted = target.bulk_density_kg_m3;
   density.target = fmt::format("{:g} kg/m³ ± {:.0f} %", wanted, 100 * kDensityTolerance);
   density.accepted = near(wanted, kDensityTolerance * wanted);
 }
 
-/// Down to which depth a target's density is the mean.
+/// Returns the range of depth over which a target's density is the mean.
 const MeasuredBand& upperBand() {
   return measuredBands().front();
 }
@@ -112,7 +112,7 @@ std::vector<Finding> findings(const SoilReached& reached, const SoilTarget& targ
 
 std::vector<Finding> findings(const ReposeResult& result, const std::optional<SoilTarget>& target) {
   Finding angle{"angle of repose, without cohesion", "", degreesFound(result.angle_rad), "°", 1};
-  // A soil that has cohesion is another one without it: nobody knows what it should show.
+  // A cohesive soil without its cohesion is a different soil, for which no target exists.
   if (target && target->cohesion_pa == 0) {
     angle.measured = "angle of repose";
     angle.target = fmt::format("residual friction angle {:g} ± 3°", target->friction_angle_deg);

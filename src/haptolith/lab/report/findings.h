@@ -18,35 +18,37 @@
 
 namespace haptolith {
 
-// What each test of the laboratory should give, and whether it does. `target` is what an engineer measured of the soil;
-// without it, and without a law that holds for every soil, there is nothing to pass or fail.
+// Results of the laboratory's tests, compared with their targets. `target` holds the measured values of the real soil.
+// Without it, and without a law that holds for every soil, there is no verdict.
 
-/// Whether the densities measured on the Moon (measuredBands()) say anything of this soil: on the Moon, for soil of
-/// which nothing else is known or which is as dense there.
+/// Whether the densities measured on the Moon (measuredBands()) apply to this soil: under lunar gravity, for soil
+/// without a target or with a target of the same density.
 [[nodiscard]] bool isLunar(double gravity_m_s2, const std::optional<SoilTarget>& target);
 
-/// One for each of its bands: lunar soil against the Lunar Sourcebook; another with a target against that, +- 5 %, in
-/// the upper 15 cm.
+/// Returns one finding per band. Lunar soil is compared with the Lunar Sourcebook; another soil with its target, +- 5
+/// %, in the upper 15 cm.
 [[nodiscard]] std::vector<Finding> findings(const SettleResult& result, double gravity_m_s2,
                                             const std::optional<SoilTarget>& target);
-/// Friction angle +- 2 degrees; cohesion +- 20 %, or +- 50 Pa where that is more.
+/// Returns findings of a shear test: friction angle +- 2 degrees; cohesion +- 20 %, or +- 50 Pa where that is more.
 [[nodiscard]] std::vector<Finding> findings(const ShearResult& result, const std::optional<SoilTarget>& target);
-/// What calibrateSoil() reached beside what was asked: as of a sheared and a settled bed.
+/// Compares the result of calibrateSoil() with its target, with the tolerances of the shear and settle tests.
 [[nodiscard]] std::vector<Finding> findings(const SoilReached& reached, const SoilTarget& target);
-/// +- 3 degrees of the friction angle of a soil without cohesion.
+/// Returns the angle of repose: +- 3 degrees of the friction angle of a soil without cohesion.
 [[nodiscard]] std::vector<Finding> findings(const ReposeResult& result, const std::optional<SoilTarget>& target);
-/// Stands (kStandingCut) with 100 Pa of cohesion or more, else falls.
+/// Expects a cut to stand (kStandingCut) with 100 Pa of cohesion or more, and to fall otherwise.
 [[nodiscard]] std::vector<Finding> findings(const CutResult& result, double height_m,
                                             const std::optional<SoilTarget>& target);
 [[nodiscard]] std::vector<Finding> findings(const PlateResult& result, double diameter_m);
 [[nodiscard]] std::vector<Finding> findings(const ConeResult& result);
-/// +- 40 % of the earthmoving equation, for a soil with a target; wedges with sides are beside it, not judged.
+/// Compares with the earthmoving equation, +- 40 %, for a soil with a target. Wedges with sides are listed without a
+/// verdict.
 [[nodiscard]] std::vector<Finding> findings(const BladeResult& result, const std::optional<SoilTarget>& target);
-/// Beverloo (1961): the opening to the power of 2.5 +- 0.3; it clogs below some opening of 3 to 8 particle diameters.
+/// Compares with Beverloo (1961): exponent of the opening 2.5 +- 0.3; clogging below an opening of 3 to 8 particle
+/// diameters.
 [[nodiscard]] std::vector<Finding> findings(const FunnelResult& result);
-/// Newton: the weight is felt within 3 %, and no drag above 3 % of it.
+/// Compares with Newton's laws: weight within 3 %, and drag of at most 3 % of it.
 [[nodiscard]] std::vector<Finding> findings(const CarryResult& result);
-/// Newton: falls with g, +- 0.1 %.
+/// Compares with Newton's laws: acceleration g, +- 0.1 %.
 [[nodiscard]] std::vector<Finding> findings(const FallResult& result);
 
 }  // namespace haptolith

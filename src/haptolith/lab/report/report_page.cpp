@@ -17,7 +17,7 @@ namespace haptolith {
 
 namespace {
 
-// Figures keep a white ground in the dark too: gnuplot draws in black.
+// Figures keep a white background in dark mode because gnuplot draws in black.
 constexpr std::string_view kStyle = R"(
 :root { color-scheme: light dark; --ground: #ffffff; --ink: #1c1c1c; --faint: #5c5c5c; --rule: #d4d4d4;
         --head: #f3f3f3; --pass: #17692f; --fail: #b3201b; }
@@ -113,7 +113,7 @@ std::string tableHtml(const std::vector<ReportRow>& rows) {
   return html + "</tbody>\n</table>\n</div>\n";
 }
 
-// As data addresses, SVG too: gnuplot gives the same ids to parts of different drawings, which would clash in one page.
+// All figures, also SVG, are embedded as data URLs: gnuplot uses the same ids in different figures, which would clash.
 std::string figuresHtml(const std::vector<ReportFigure>& figures) {
   if (figures.empty()) {
     return "";

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// With so many decimals, and never as -0.
+/// Formats with a number of decimals; never as -0.
 std::string shown(double number, int decimals) {
   const double scale = std::pow(10, decimals);
   return fmt::format("{:.{}f}", std::round(number * scale) / scale + 0.0, decimals);

@@ -9,26 +9,26 @@
 
 namespace haptolith {
 
-/// What numbers of several specimens have in common.
+/// Mean and standard deviation over specimens.
 struct Scatter {
-  double mean = 0;            ///< NaN without any
-  double sd = 0;              ///< standard deviation of one specimen (n - 1); NaN of fewer than two
-  std::size_t specimens = 0;  ///< that have a number
+  double mean = 0;            ///< NaN without specimens
+  double sd = 0;              ///< standard deviation of one specimen (n - 1); NaN for fewer than two
+  std::size_t specimens = 0;  ///< number of specimens with a value
 };
 
-/// Mean and standard deviation of those that are finite.
+/// Returns mean and standard deviation of the finite numbers.
 [[nodiscard]] Scatter scatterOf(const std::vector<double>& numbers);
 
-/// "41.9 ± 0.4" with so many decimals, "41.9" of one specimen, "none" of none; never -0.
+/// Formats with a number of decimals: "41.9 ± 0.4", "41.9" for one specimen, "none" without specimens; never -0.
 [[nodiscard]] std::string shown(const Scatter& scatter, int decimals);
 
-/// Whether `number` is where `finding` accepts it: kInfo when it says nothing of that, kFail for NaN.
+/// Returns the verdict on `number` by the accepted range of `finding`: kInfo without a range, kFail for NaN.
 [[nodiscard]] Verdict verdictOn(const Finding& finding, double number);
 
-/// The same finding of several specimens: "41.9 ± 0.4°", their mean and standard deviation (n - 1), or "41.9°" of one;
-/// the verdict is the mean's. Where some have no number (NaN), the mean is that of the others, says so, and fails;
-/// where none has, it is "none".
-/// @param specimens  one or more; they differ by their numbers.
+/// Combines a finding of several specimens: "41.9 ± 0.4°", mean and standard deviation (n - 1), or "41.9°" for one. The
+/// verdict is that of the mean. If some have no value (NaN), the text states it, the mean is that of the others, and
+/// the verdict is a failure. If none has one, the text is "none".
+/// @param specimens  one or more findings, which differ only in their numbers.
 [[nodiscard]] ReportValue overSeeds(const std::vector<Finding>& specimens);
 
 }  // namespace haptolith

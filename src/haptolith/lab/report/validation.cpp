@@ -19,7 +19,7 @@ ClaimValue valueOf(const std::vector<double>& numbers) {
   return {mean(numbers), numbers.size() > 1 ? std::optional(standardDeviation(numbers)) : std::nullopt};
 }
 
-/// Where `value` stands to `accepted`, whose width says how far outside is only a little.
+/// Returns the light of `value`: green in `accepted`; yellow in `wider`, or outside by at most its SD; otherwise red.
 ClaimLight lightOf(const ClaimValue& value, const Range& accepted, const Range& wider) {
   if (accepted.contains(value.mean)) {
     return ClaimLight::kGreen;
@@ -29,7 +29,7 @@ ClaimLight lightOf(const ClaimValue& value, const Range& accepted, const Range& 
   return by_scatter || wider.contains(value.mean) ? ClaimLight::kYellow : ClaimLight::kRed;
 }
 
-/// The tolerance once more on either side; of ratios it is a factor.
+/// Returns the range extended by its half width on both sides.
 Range widened(const Range& accepted) {
   const double half = (accepted.highest - accepted.lowest) / 2;
   return {accepted.lowest - half, accepted.highest + half};
@@ -119,7 +119,7 @@ std::string_view markOf(ClaimLight light) {
   return "";
 }
 
-/// Three digits that mean something, without an exponent where people write none.
+/// Formats three significant digits, without an exponent for common magnitudes.
 std::string digits(double number) {
   const double size = std::abs(number);
   if (size == 0) {
@@ -128,14 +128,14 @@ std::string digits(double number) {
   if (size >= 1e6 || size < 1e-3) {
     return fmt::format("{:.2e}", number);
   }
-  const std::string rounded = fmt::format("{:.2e}", size);  // 0.9996 is 1.00
+  const std::string rounded = fmt::format("{:.2e}", size);  // rounds 0.9996 to 1.00
   const int before = std::stoi(rounded.substr(rounded.find('e') + 1)) + 1;
   return fmt::format("{:.{}f}", number, std::clamp(3 - before, 0, 5));
 }
 
 std::string text(const ClaimValue& value, std::string_view unit) {
   const std::string behind = unit.empty() ? "" : fmt::format(" {}", unit);
-  constexpr double kRounding = 1e-9;  // what a theory without scatter differs by from one specimen to the next
+  constexpr double kRounding = 1e-9;  // relative difference between specimens of a theory without scatter
   return value.deviation.value_or(0) > kRounding * std::abs(value.mean)
              ? fmt::format("{} ± {}{}", digits(value.mean), digits(*value.deviation), behind)
              : digits(value.mean) + behind;
@@ -165,7 +165,7 @@ std::string referenceText(const JudgedClaim& judged) {
   return claim.reference.empty() ? number : fmt::format("{}: {}", number, claim.reference);
 }
 
-/// Text of one cell of a table in Markdown.
+/// Escapes the text of a cell of a Markdown table.
 std::string cell(std::string_view text) {
   std::string shown;
   for (const char letter : text) {
@@ -310,7 +310,7 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
 }
 
 bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims, std::string_view group) {
-  constexpr double kLeast = 0.1;  // of the axis; what is less stands at its edge
+  constexpr double kLeast = 0.1;  // lower end of the axis; smaller ratios are drawn at its edge
   constexpr double kMost = 10;
   std::vector<const JudgedClaim*> shown;
   for (const JudgedClaim& judged : claims) {

@@ -11,11 +11,11 @@
 
 namespace haptolith {
 
-/// How a claim about our soil stands.
+/// Status of a claim about the simulated soil.
 enum class ClaimLight {
   kGreen,   ///< within its tolerance
-  kYellow,  ///< outside it by at most the tolerance once more, or by at most the scatter of one specimen
-  kRed,     ///< further outside, or without a number
+  kYellow,  ///< outside it by at most the tolerance, or by at most the SD of one specimen
+  kRed,     ///< further outside, or without a value
 };
 
 /// Evidence that a claim gives.
@@ -36,54 +36,54 @@ struct Claim {
 
   ClaimKind kind = ClaimKind::kIndependent;
 
-  std::optional<double> expected = {};  ///< the other number; none: each specimen has one of its own
-  Range scatter{0, 0};                  ///< within which the source has it; empty (0 to 0) where it does not say
+  std::optional<double> expected = {};  ///< reference number; empty: each specimen has a separate one
+  Range scatter{0, 0};                  ///< scatter of the reference; 0 to 0 if the source has none
 
   // Tolerance; exactly one of them is set.
-  std::optional<double> factor = {};   ///< ours over theirs within 1/factor to factor
-  std::optional<double> within = {};   ///< ours over theirs within 1 - within to 1 + within
-  std::optional<Range> accepted = {};  ///< ours within this
+  std::optional<double> factor = {};   ///< simulated over reference within 1/factor to factor
+  std::optional<double> within = {};   ///< simulated over reference within 1 - within to 1 + within
+  std::optional<Range> accepted = {};  ///< range of the simulated number
 };
 
-/// What one specimen says of a claim.
+/// Result of one specimen for a claim.
 struct ClaimSpecimen {
-  std::optional<double> ours;   ///< none: it gave no number
-  std::optional<double> other;  ///< of Claim::expected, or of this specimen; none: there is none
-  std::string why_not;          ///< without a number, in words
+  std::optional<double> ours;   ///< simulated number; empty: no result
+  std::optional<double> other;  ///< reference from Claim::expected or for this specimen; empty: no reference
+  std::string why_not;          ///< reason for a missing number
 };
 
 struct ClaimValue {
   double mean = 0;
-  std::optional<double> deviation;  ///< standard deviation of one specimen (n - 1); none of a single one
+  std::optional<double> deviation;  ///< standard deviation of one specimen (n - 1); empty for a single one
 };
 
 struct ClaimOutcome {
   ClaimLight light = ClaimLight::kRed;
-  std::size_t specimens = 0;         ///< that gave numbers
-  std::optional<ClaimValue> ours;    ///< none: no specimen gave one
-  std::optional<ClaimValue> other;   ///< of all specimens
-  std::optional<ClaimValue> ratio;   ///< ours over theirs; none where theirs is 0
-  std::optional<Range> ratio_range;  ///< the tolerance in terms of the ratio, likewise
-  std::string why_not;               ///< of the first specimen without a number
+  std::size_t specimens = 0;         ///< number of specimens with a result
+  std::optional<ClaimValue> ours;    ///< simulated mean; empty: no specimen has a result
+  std::optional<ClaimValue> other;   ///< reference over all specimens
+  std::optional<ClaimValue> ratio;   ///< simulated over reference; empty for a reference of 0
+  std::optional<Range> ratio_range;  ///< tolerance as a range of the ratio; empty for a reference of 0
+  std::string why_not;               ///< reason of the first specimen without a number
 };
 
 /// @throws InvalidParameter for a claim without exactly one tolerance, a factor below 1, a tolerance below 0.
 void validate(const Claim& claim);
 
-/// Means over specimens, and how the mean stands. A specimen without a number makes it red.
-/// @param specimens  one or more.
+/// Returns means over specimens, and the status of the mean. A specimen without a number makes it red.
+/// @param specimens  at least one.
 [[nodiscard]] ClaimOutcome judge(const Claim& claim, const std::vector<ClaimSpecimen>& specimens);
 
-/// A claim with its outcome; none: not measured yet.
+/// Claim with its outcome; empty: not simulated yet.
 struct JudgedClaim {
   Claim claim;
   std::optional<ClaimOutcome> outcome;
 };
 
-/// Headings under which claims stand, in their order.
+/// Returns the headings of the claims, in their order.
 [[nodiscard]] std::vector<std::string> groupsOf(const std::vector<Claim>& claims);
 
-/// File names of their figures, each another: "validation-flow-and-heaps.svg".
+/// Returns the unique file names of their figures: "validation-flow-and-heaps.svg".
 [[nodiscard]] std::vector<std::string> figureNamesOf(const std::vector<std::string>& groups);
 
 /// Returns the page in Markdown: a summary by kind of claim, and for each group a table, notes and its figure, which is
@@ -92,8 +92,8 @@ struct JudgedClaim {
 [[nodiscard]] std::string validationPage(const std::vector<JudgedClaim>& claims,
                                          const std::vector<std::string>& introduction, bool has_figures);
 
-/// Ours over theirs with scatter and tolerance, one line for each claim of a group that has a ratio. False, and no
-/// file: none has. @throws as Figure.
+/// Draws simulated over reference with scatter and tolerance, one line per claim of a group that has a ratio.
+/// @return false, without a file, if no claim has one. @throws as Figure.
 bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& claims, std::string_view group);
 
 }  // namespace haptolith

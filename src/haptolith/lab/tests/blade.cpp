@@ -19,13 +19,13 @@ namespace haptolith {
 
 namespace {
 
-/// Stiffer than the particles, so that the blade does not give way before they do.
+/// Stiffness over that of the particles; the blade must not deform before they do.
 constexpr double kBladeStiffness = 2;
 constexpr double kBladeThickness_m = 2e-3;
-constexpr double kAboveDepths = 1.5;   // of the blade over the surface
-constexpr double kBehindDepths = 1.2;  // of soil behind the blade; what it pushes on the back is a few per cent
+constexpr double kAboveDepths = 1.5;   // height of the blade above the surface
+constexpr double kBehindDepths = 1.2;  // soil behind the blade; its force on the back is a few per cent
 
-/// Where the blade and the soil are before anything has moved. The blade goes along x.
+/// Initial blade and soil. The blade moves along x.
 struct Setup {
   LabBox box;
   ToolParameters tool;
@@ -36,7 +36,7 @@ struct Setup {
 Setup setUp(const LabConditions& conditions, const BladeOptions& options) {
   const double d = options.depth_m;
   const bool as_wide_as_box = options.side_room_depths == 0;
-  const double leaning = d / std::tan(options.rake_rad);  // of the blade's top at the surface, backwards
+  const double leaning = d / std::tan(options.rake_rad);  // backward offset of the blade at the surface
   const double behind = kBehindDepths * d + std::max(leaning, 0.0);
   const double ahead = (options.travel_depths + options.ahead_depths) * d;
   const double tip_height = options.below_depths * d;
@@ -62,13 +62,13 @@ Setup setUp(const LabConditions& conditions, const BladeOptions& options) {
   return setup;
 }
 
-/// What the soil does to the blade at one moment.
+/// Force of the soil on the blade at one moment.
 struct Moment {
   double travel_m, draft_n, vertical_n;
   double front_draft_n, front_vertical_n;
 };
 
-/// Force of the soil on the blade's flat front, from what the tool put on each particle in the last step.
+/// Returns the force of the soil on the blade's flat front, from the tool's contact forces in the last step.
 Vec3 forceOnFront(LabBed& bed, const ToolParameters& blade) {
   constexpr double kFlat = 0.95;  // cosine of the angle between a contact's normal and the front's
   const std::vector<Float4>& on_particles = bed.bed().externalForces();
@@ -88,7 +88,7 @@ struct Mean {
   double value = 0, standard_error = 0;
 };
 
-/// Mean of the moments, and its standard error from means over ten blocks.
+/// Returns the mean of the moments, and its standard error from means over ten blocks.
 Mean meanOf(const std::vector<Moment>& moments, double Moment::*quantity) {
   constexpr std::size_t kBlocks = 10;
   std::array<double, kBlocks> blocks{};
@@ -121,14 +121,14 @@ LabTrace traceOf(const std::vector<Moment>& moments, double stretch_m) {
   return trace;
 }
 
-/// Where an equation says that soil breaks out, seen from above.
+/// Plan view of the soil that breaks out by one of the equations.
 struct HeapZone {
-  double ahead_m = 0;       ///< of the lower edge: to where the wedge ends
-  double reach_m = 0;       ///< r, on the surface, from the front
-  double crescent_rad = 0;  ///< eta, of the crescent on either side; 0: none
+  double ahead_m = 0;       ///< distance from the lower edge to the end of the wedge
+  double reach_m = 0;       ///< r, distance on the surface from the front
+  double crescent_rad = 0;  ///< eta, angle of the crescent on either side; 0: none
 };
 
-/// What the equations of one strength get: earthmoving, between upright sides, with crescents.
+/// Zones for the equations with one strength: earthmoving, upright sides, crescents.
 using ThreeZones = std::array<HeapZone, 3>;
 
 ThreeZones zonesOf(const BladeCase& blade, const BladeEquations& equations) {
@@ -141,10 +141,10 @@ ThreeZones zonesOf(const BladeCase& blade, const BladeEquations& equations) {
           equations.wedge ? zone(equations.wedge->beta_rad, equations.wedge->crescent_angle_rad) : plane};
 }
 
-/// What has come to lie before a blade since it began to move.
+/// Surcharge: the soil that has accumulated in front of a blade since it began to move.
 class Heap {
  public:
-  /// @param edge_height_m  of the blade's lower edge
+  /// @param edge_height_m  height of the blade's lower edge
   Heap(const LabBed& bed, const BladeOptions& options, double edge_height_m, const ThreeZones& zones)
       : bed_(bed),
         edge_height_m_(edge_height_m),
@@ -155,7 +155,7 @@ class Heap {
     add(-1, first_);
   }
 
-  /// How it lies now counts in the mean.
+  /// Adds the current surcharge to the mean.
   void look() {
     add(1, sum_);
     ++looks_;
@@ -164,7 +164,7 @@ class Heap {
   struct Pressures {
     double ahead_pa = 0, beside_pa = 0;
   };
-  /// Mean weight on the wedge and on both crescents, over the areas of these.
+  /// Returns the mean weight on the wedge and on both crescents, over their areas.
   [[nodiscard]] std::array<Pressures, 3> pressures() const {
     std::array<Pressures, 3> all;
     const double grain_n = -bed_.bed().parameters().gravity_m_s2.z() * bed_.bed().mass();
@@ -188,7 +188,7 @@ class Heap {
     const Pose& blade = bed_.toolPose();
     const Vec3 forwards = blade.orientation * Vec3::UnitZ();
     const Vec3 on_front = blade.position_m + kBladeThickness_m / 2 * forwards;
-    // Where the front meets the height of the edge.
+    // x of the front at the height of the edge.
     const double edge_m = on_front.x() + (on_front.z() - edge_height_m_) * forwards.z() / forwards.x();
     for (std::size_t grain = 0; grain < bed_.soil(); ++grain) {
       const Vec3 centre = bed_.centre(grain);
@@ -199,7 +199,7 @@ class Heap {
       }
       for (std::size_t i = 0; i < zones_.size(); ++i) {
         const HeapZone& zone = zones_[i];
-        if (!has_sides_ || beside_m < 0) {  // where the bed repeats itself grains may have gone over the seam
+        if (!has_sides_ || beside_m < 0) {  // in a periodic bed particles may have crossed the boundary
           to[i].ahead += ahead_m < zone.ahead_m ? each : 0;
         } else {
           const double from_front_m = ahead_m + zone.reach_m - zone.ahead_m;  // on the surface
@@ -214,13 +214,13 @@ class Heap {
   const LabBed& bed_;
   double edge_height_m_, half_width_m_;
   bool has_sides_;
-  double most_ahead_m_;  ///< where the box ends
+  double most_ahead_m_;  ///< distance to the end of the box
   ThreeZones zones_;
-  std::array<Grains, 3> first_{}, sum_{};  ///< those at first count against
+  std::array<Grains, 3> first_{}, sum_{};  ///< the initial ones are subtracted
   double looks_ = 0;
 };
 
-/// @param heap  null: there is none.
+/// @param heap  null: no surcharge.
 BladeEquations equationsFor(const BladeCase& blade, bool has_sides, const Heap* heap) {
   const std::array<Heap::Pressures, 3> load = heap != nullptr ? heap->pressures() : std::array<Heap::Pressures, 3>();
   const auto under = [&](std::size_t equation) {
@@ -235,7 +235,7 @@ BladeEquations equationsFor(const BladeCase& blade, bool has_sides, const Heap* 
     try {
       equations.wedge = wedgeForce(under(2));
     } catch (const InvalidParameter&) {
-      // Leaning forward, or too flat for its width: what was measured is not thrown away for that.
+      // Leaning forward, or too flat for its width: the simulated result is still valid.
     }
   }
   return equations;
@@ -252,7 +252,7 @@ BladeCase caseOf(const LabConditions& conditions, const BladeOptions& options, c
           .cohesion_pa = options.cohesion_pa};
 }
 
-/// The same soil once it has sheared.
+/// Returns the case with the residual strength of the soil.
 BladeCase sheared(BladeCase blade, const MohrCoulomb& residual) {
   blade.friction_angle_rad = residual.friction_angle_rad;
   blade.cohesion_pa = residual.cohesion_pa;
@@ -294,10 +294,10 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   const auto beside_blade = [&](const Vec3& centre) {
     return penetration(setup.tool, setup.start.toBody(centre), largest, 0).depth_m < 0;
   };
-  // Gaps at the floor, the walls and the surface take some of the room; poured soil has larger gaps everywhere.
+  // Gaps at the floor, the walls and the surface take up volume; poured soil has larger gaps everywhere.
   const double filled = options.preparation == Preparation::kDense ? 0.93 : 0.8;
   const std::size_t wanted = particlesFor(soil, filled * setup.soil_volume_m3);
-  constexpr double kMoves = 0.3;  // of the test's time goes before
+  constexpr double kMoves = 0.3;  // fraction of the test's time before the movement
   StagedProgress progress(conditions.progress);
   progress.enter(0, kMoves);
   LabConditions staged = conditions;
@@ -365,7 +365,7 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
 
 BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
   const std::vector<double> stresses_pa = {200, 400, 800};
-  constexpr double kResidual = 0.35;  // of the time goes before
+  constexpr double kResidual = 0.35;  // fraction of the time before the residual test
   StagedProgress progress(conditions.progress);
   progress.enter(0, preparation == Preparation::kDense ? kResidual : 1);
   LabConditions staged = conditions;

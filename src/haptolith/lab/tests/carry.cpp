@@ -13,8 +13,8 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kHeightRadii = 60;  ///< of the shovel above the floor: no heap of what falls off reaches it
-constexpr double kStart_s = 0.5;     ///< from rest to the full speed
+constexpr double kHeightRadii = 60;  ///< shovel height above the floor, in R; no heap of spilled soil reaches it
+constexpr double kStart_s = 0.5;     ///< time from rest to full speed
 constexpr double kSteady_s = 1;
 constexpr double kBetweenRows_s = 5e-3;
 
@@ -22,7 +22,7 @@ double edge(const LabConditions& conditions, const CarryOptions& options) {
   return options.shovel_radii * conditions.soil.radius_m;
 }
 
-/// From standing still until it stands again it goes one start's worth more than at full speed.
+/// Returns the distance from rest to rest, with ramps at both ends; one ramp's distance more than at full speed.
 double way(const CarryOptions& options) {
   return options.speed_m_s * (kSteady_s + kStart_s);
 }
@@ -41,7 +41,7 @@ ToolParameters shovelFor(const LabConditions& conditions, const CarryOptions& op
   return shovel;
 }
 
-/// Means of what is felt while a phase goes on.
+/// Mean forces on the shovel during a phase.
 struct MeanForce {
   double down_n = 0, back_n = 0, mass_kg = 0;
   double change_times_acceleration = 0, mass_acceleration_squared = 0;
@@ -52,7 +52,7 @@ struct MeanForce {
   [[nodiscard]] double mass() const { return mass_kg / static_cast<double>(steps); }
 };
 
-/// The shovel with its soil.
+/// Shovel with its soil.
 class Carried {
  public:
   Carried(const LabConditions& conditions, const CarryOptions& options)
@@ -64,7 +64,7 @@ class Carried {
     trace_.columns = {"time_s", "felt_down_n", "felt_back_n", "weight_n", "speed_m_s", "acceleration_up_m_s2"};
   }
 
-  /// Lets the soil come to rest on the shovel and on the floor.
+  /// Lets the soil settle on the shovel and on the floor.
   void fill() {
     constexpr double kLongest_s = 10;
     const double at_rest = std::sqrt(2 * conditions_.gravity_m_s2 * conditions_.soil.radius_m / 500);
@@ -81,7 +81,7 @@ class Carried {
     }
   }
 
-  /// Moves the shovel as `velocity` says, by the time since the phase began.
+  /// Moves the shovel with `velocity`, a function of the time since the phase began.
   MeanForce move(double duration_s, std::string_view what, const std::function<Vec3(double)>& velocity) {
     MeanForce mean;
     const double began = bed_.time();
@@ -108,7 +108,7 @@ class Carried {
     }
     return count;
   }
-  /// Mean place along the movement of what lies on the shovel.
+  /// Returns the mean position of the carried soil along the movement.
   [[nodiscard]] double middle() const {
     double sum = 0;
     for (std::size_t i = 0; i < bed_.soil(); ++i) {
@@ -120,7 +120,7 @@ class Carried {
   [[nodiscard]] LabTrace& trace() { return trace_; }
 
  private:
-  /// All that does not lie on the floor.
+  /// Whether a particle is not on the floor.
   [[nodiscard]] bool isCarried(std::size_t particle) const { return bed_.centre(particle).z() > start_.z() / 2; }
 
   [[nodiscard]] std::vector<Vec3> heapAbove() const {
@@ -130,7 +130,7 @@ class Carried {
         looseSoil(conditions_.soil, boxFor(conditions_, options_), static_cast<std::size_t>(options_.particles),
                   start_.z() + conditions_.soil.radius_m, conditions_.seed,
                   [above, tube](const Vec3& c) { return (c - above).head<2>().norm() < tube; });
-    // Every storey turned against the one below: particles that do not turn would else stand on each other as columns.
+    // Every layer is rotated against the one below, because particles that do not rotate would form stable columns.
     Quat turn = Quat::Identity();
     double height = start_.z();
     for (Vec3& centre : soil) {
@@ -179,7 +179,7 @@ class Carried {
   double counted_until_s_ = 0;
 };
 
-/// From 0 to 1 within `duration`, with no jump in acceleration.
+/// Rises from 0 to 1 within `duration`, with continuous acceleration.
 double gently(double t, double duration) {
   return t >= duration ? 1 : t <= 0 ? 0 : (1 - std::cos(std::numbers::pi * t / duration)) / 2;
 }
@@ -203,7 +203,7 @@ CarryResult carryTest(const LabConditions& conditions, const CarryOptions& optio
   const double v = options.speed_m_s;
   const double omega = 2 * std::numbers::pi * options.shake_hz;
   const auto sideways = [](double speed) { return Vec3(speed, 0, 0); };
-  const auto shaking = [&](double t) {  // growing over two periods
+  const auto shaking = [&](double t) {  // amplitude grows over two periods
     return Vec3(0, 0, options.shake_g * g / omega * std::sin(omega * t) * gently(t, 2 / options.shake_hz));
   };
 
@@ -219,7 +219,7 @@ CarryResult carryTest(const LabConditions& conditions, const CarryOptions& optio
   soil.move(kStart_s, "the shovel stops", [&](double t) { return sideways(v * (1 - gently(t, kStart_s))); });
   soil.move(0.5, "the shovel stands still", {});
   const double after = soil.middle();
-  const double periods = std::ceil(options.shake_hz);  // a second or one period
+  const double periods = std::ceil(options.shake_hz);  // at least a second and one period
   const MeanForce shaken = soil.move((2 + periods) / options.shake_hz, "the shovel is shaken", shaking);
 
   result.weight_ratio = still.down() / (still.mass() * g);

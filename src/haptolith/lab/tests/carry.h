@@ -8,46 +8,47 @@
 
 namespace haptolith {
 
-/// What is valid.
+/// Valid ranges.
 struct CarryRanges {
   static constexpr Range particles{20, 1000};
 };
 
 struct CarryOptions {
-  int particles = 200;       ///< dropped on the shovel; some fall off
-  double shovel_radii = 20;  ///< edge of the square shovel in mean particle radii, 8 to 60
-  double speed_m_s = 0.1;    ///< sideways, 0.01 to 0.2
-  double shake_g = 0.2;      ///< largest acceleration while it is shaken up and down, over g, 0.01 to 0.8
-  /// How fast, 0.2 to 20. Loose soil is a soft spring: piled up high it has a frequency of its own near 5 Hz,
-  /// and well below that it goes up and down as one body.
+  int particles = 200;       ///< number of particles dropped on the shovel; part of them falls off
+  double shovel_radii = 20;  ///< edge length of the square shovel in mean particle radii, 8 to 60
+  double speed_m_s = 0.1;    ///< sideways speed, 0.01 to 0.2
+  double shake_g = 0.2;      ///< max. acceleration of the vertical shaking, over g, 0.01 to 0.8
+  /// Frequency of shaking, 0.2 to 20. Loose soil is a soft spring: a high pile has a natural frequency near 5 Hz. Well
+  /// below that frequency it moves as one body.
   double shake_hz = 0.5;
-  ToolParameters shovel{};  ///< its contact; shape and size are set by the test
+  ToolParameters shovel{};  ///< contact parameters; the test sets shape and size
 };
 
 struct CarryResult {
-  double weight_ratio = 0;  ///< felt while it stands still, over the weight of the soil that lies on it
-  double drag_ratio = 0;    ///< mean force against a steady sideways movement, over that weight
-  double follow_ratio = 0;  ///< way of the soil while the shovel moves sideways, over the shovel's
-  double shake_ratio = 0;   ///< felt change of weight over mass times acceleration, while it is shaken
-  double carried_kg = 0;    ///< soil that lies on the shovel when it stands still
-  double left_kg = 0;       ///< and what is left of it at the end
+  double weight_ratio = 0;  ///< force on the shovel at rest over the weight of the carried soil
+  double drag_ratio = 0;    ///< mean force against a steady sideways movement over that weight
+  double follow_ratio = 0;  ///< sideways displacement of the soil over the shovel's
+  double shake_ratio = 0;   ///< change of force over mass times acceleration, during shaking
+  double carried_kg = 0;    ///< mass of the carried soil at rest
+  double left_kg = 0;       ///< mass of the carried soil at the end
   LabTrace trace;  ///< time_s, felt_down_n, felt_back_n, weight_n, speed_m_s, acceleration_up_m_s2; means over 5 ms
 };
 
-/// A heap of soil on a level shovel in empty space: what a hand feels that carries soil. Soil is dropped on the shovel
-/// inside an imaginary tube, and what does not stay lies on the floor far below. Then the shovel stands still, is moved
-/// sideways from a gentle start, stops, and is shaken up and down.
+/// Simulates a payload: a heap of soil on a level shovel in empty space. Soil is dropped on the shovel inside a virtual
+/// tube; the spilled part is on the floor far below. Then the shovel is at rest, moves sideways from a gentle start,
+/// stops, and is shaken up and down.
 ///
-/// By Newton's laws a hand feels the soil's weight, nothing against a steady movement, and mass times acceleration; and
-/// soil goes where the shovel goes. Soil that is braked against space hangs in it instead, also when the shovel has
-/// gone.
-/// @throws InvalidParameter for nonsense, and without gravity; Failure as LabBed::run(), and when nothing stays.
+/// By Newton's laws the force on the shovel is the soil's weight plus mass times acceleration, without drag in a steady
+/// movement, and the soil follows the shovel. A model that brakes particles against space makes the soil hang instead,
+/// even without the shovel.
+/// @throws InvalidParameter for values out of range, and without gravity; Failure as LabBed::run(), and when no soil
+/// stays on the shovel.
 [[nodiscard]] CarryResult carryTest(const LabConditions& conditions, const CarryOptions& options = {});
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const CarryOptions& options);
 
-/// Force against time, and the weight. @throws as Figure.
+/// Draws force against time, and the weight. @throws as Figure.
 void drawCarry(const OutputFile& path, const CarryResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -15,7 +15,7 @@ namespace haptolith {
 
 namespace {
 
-/// Stiffer than the particles, so that the cone does not give way before they do.
+/// Stiffness over that of the particles; the cone must not deform before they do.
 constexpr double kConeStiffness = 2;
 
 void validate(const LabConditions& conditions, const ConeOptions& options) {

@@ -10,23 +10,23 @@
 
 namespace haptolith {
 
-/// A cone penetrometer and the box it is tested in.
+/// Cone penetrometer and the box of the test.
 struct ConeOptions {
   double base_diameter_m = 0.02027;              ///< ASABE S313.3, the larger cone; above 0
-  double cone_angle_rad = std::numbers::pi / 6;  ///< between opposite sides; 30 deg
-  double max_depth_m = 0.1;                      ///< of the cone's base below the surface
-  double speed_m_s = 0.03;                       ///< ASABE EP542's 30 mm/s
-  double friction = 0.36;                        ///< of cone and shaft against soil
-  double bed_width_diameters = 10;               ///< of the square box, in base diameters; at least 4
-  double below_diameters = 2.5;                  ///< of soil under the point at the end, in base diameters
+  double cone_angle_rad = std::numbers::pi / 6;  ///< full angle, between opposite sides; 30 deg
+  double max_depth_m = 0.1;                      ///< max. depth of the cone's base below the surface
+  double speed_m_s = 0.03;                       ///< 30 mm/s as in ASABE EP542
+  double friction = 0.36;                        ///< friction of cone and shaft against soil
+  double bed_width_diameters = 10;               ///< width of the square box, in base diameters; at least 4
+  double below_diameters = 2.5;                  ///< soil under the point at the end, in base diameters
   Preparation preparation = Preparation::kDense;
   DepthFrom depth_from = DepthFrom::kTips;
-  double window_m = 4e-3;  ///< of depth over which a point of the curve is the mean
-  int points = 50;         ///< of the curve behind its zero; 3 or more
+  double window_m = 4e-3;  ///< range of depth that a point of the curve is averaged over
+  int points = 50;         ///< number of points of the curve without its zero; 3 or more
 };
 
 struct ConePoint {
-  double depth_m = 0;        ///< of the cone's base below the undisturbed surface
+  double depth_m = 0;        ///< depth of the cone's base below the undisturbed surface
   double resistance_pa = 0;  ///< force over the base's area
 };
 
@@ -43,8 +43,8 @@ struct ConeResult {
 /// Pushes a cone into a settled bed at constant speed; resistance is force over the area of its base, as in ASABE
 /// S313.3 and EP542, and depth 0 is where the base is level with the surface.
 ///
-/// The shaft is as wide as the base (S313.3's is thinner), so its friction is in the resistance, a share that grows
-/// with depth. A cone that is not many particles wide feels single particles; use window_m.
+/// The shaft is as wide as the base (in S313.3 it is thinner), so its friction is part of the resistance; this part
+/// grows with depth. A cone only a few particles wide responds to single particles; use window_m.
 /// @throws InvalidParameter outside the ranges above; Failure as LabBed::run(). Not for the tick.
 [[nodiscard]] ConeResult coneTest(const LabConditions& conditions, const ConeOptions& options = {});
 

@@ -18,10 +18,10 @@ namespace {
 
 constexpr double kCrest = 0.9;
 constexpr double kToe = 0.1;
-constexpr double kStrip = 0.25;          // of H, behind the face, where the height is read
+constexpr double kStrip = 0.25;          // in H, range behind the face over which the height is averaged
 constexpr double kLongestCutRest = 100;  // in sqrt(H / g)
 constexpr double kCutLook = 0.25;        // in sqrt(H / g)
-constexpr double kLetGo = 0.4;           // part of the test's time before the plate goes
+constexpr double kLetGo = 0.4;           // fraction of the test's time before the plate retreats
 
 void validate(const LabConditions& conditions, const CutOptions& options) {
   validate(conditions.soil);
@@ -33,7 +33,7 @@ void validate(const LabConditions& conditions, const CutOptions& options) {
   requireInRange("retreat_speed", options.retreat_speed, {0, 10, Ends::kOpenBelow});
 }
 
-/// The box, divided by the plate. The bed's x is 0 in its middle; results count from the face.
+/// Box, divided by the plate. The bed's x is 0 in its centre; in results x is 0 at the face.
 struct CutApparatus {
   double depth_m, room_m, face_x_m, floor_z_m;
   LabBox box;
@@ -58,13 +58,14 @@ struct CutApparatus {
     plate.adhesion_ratio = 0;
   }
 
-  /// The plate with its face this far in front of the cut.
+  /// Returns the pose of the plate with its face `ahead_m` in front of the cut.
   [[nodiscard]] Pose plateAt(double ahead_m) const {
     return {.position_m = {face_x_m + ahead_m + plate.size_m.z() / 2, 0, 0},
             .orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()))};
   }
 
-  /// As many as fill the box behind the plate to this height. The floor's hollows swallow about 2 R of it.
+  /// Returns centres that fill the box behind the plate to this height. The hollows of the floor take up about 2 R of
+  /// it.
   [[nodiscard]] std::vector<Vec3> fill(const SoilParameters& soil, double height_m, std::uint64_t seed) const {
     const double nearest = face_x_m - (1 + soil.size_spread) * soil.radius_m;
     const auto behind = [&](const Vec3& c) { return c.x() < nearest; };
@@ -81,14 +82,14 @@ struct CutApparatus {
   }
 };
 
-/// The surface over x: mean, over columns two particles wide, of the top of the highest particle in each.
+/// Returns the surface over x: the mean, over columns two particles wide, of the top of the highest particle in each.
 std::vector<CutProfilePoint> profileOf(const std::vector<Vec3>& centres_m, double radius_m, double width_m) {
   const double column = 4 * radius_m;
   const auto columns = std::max(1, int(width_m / column));
   std::map<int, std::map<int, double>> tops;
   for (const Vec3& c : centres_m) {
     const double y = c.y() / width_m;
-    const int across = std::min(int((y - std::floor(y)) * columns), columns - 1);  // the soil repeats itself along y
+    const int across = std::min(int((y - std::floor(y)) * columns), columns - 1);  // the bed is periodic along y
     double& top = tops[int(std::floor(c.x() / column))].try_emplace(across, 0).first->second;
     top = std::max(top, c.z() + radius_m);
   }
@@ -103,7 +104,7 @@ std::vector<CutProfilePoint> profileOf(const std::vector<Vec3>& centres_m, doubl
   return profile;
 }
 
-/// Mean height of the columns within `strip_m` behind the face; there is one at least.
+/// Returns the mean height of the columns within `strip_m` behind the face; there is at least one.
 double heightBehindFace(const std::vector<CutProfilePoint>& profile, double strip_m) {
   double sum = 0;
   int columns = 0;
@@ -116,7 +117,7 @@ double heightBehindFace(const std::vector<CutProfilePoint>& profile, double stri
   return sum / std::max(columns, 1);
 }
 
-/// Where the surface last is this high, going ahead.
+/// Returns the largest x at which the surface has this height.
 double lastAbove(const std::vector<CutProfilePoint>& profile, double height_m, double fallback_m) {
   double at = fallback_m;
   for (std::size_t i = 0; i < profile.size(); ++i) {

@@ -13,10 +13,10 @@ namespace haptolith {
 
 namespace {
 
-/// Distance over diameter of particles that touch: pressed so little that loose ones hardly fly apart.
+/// Distance over diameter of particles in contact; the overlap is so small that loose ones barely fly apart.
 constexpr double kTouching = 0.999;
 
-/// A close packing inside a sphere; unequal particles have room for the largest.
+/// Returns a close packing inside a sphere; with unequal particles each has the space of the largest.
 std::vector<Vec3> ballOfSoil(const LabConditions& conditions, double radius_m, const Vec3& middle) {
   const SoilParameters& soil = conditions.soil;
   const double spread = soil.friction == FrictionModel::kContact ? soil.size_spread : 0;
@@ -39,7 +39,7 @@ std::vector<Vec3> ballOfSoil(const LabConditions& conditions, double radius_m, c
   return centres;
 }
 
-/// Twice the quadratic coefficient of the parabola with the least squares through the points.
+/// Returns twice the quadratic coefficient of the least-squares parabola through the points.
 double curvature(const std::vector<std::vector<double>>& rows, std::size_t x, std::size_t y) {
   const double longest = rows.back()[x];
   Eigen::Matrix3d left = Eigen::Matrix3d::Zero();
@@ -66,7 +66,7 @@ FallResult fallTest(const LabConditions& conditions, const FallOptions& options)
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
   const double ball_m = options.ball_radii * conditions.soil.radius_m;
-  // Loose particles drift apart a little: they have as much room again as the ball takes.
+  // Loose particles drift apart slightly: the free space is as large as the sphere.
   const Vec3 start(0, 0, options.fall_m + 2 * ball_m);
   LabBox box;
   box.width_m = box.length_m = 4 * ball_m;

@@ -20,13 +20,13 @@ namespace {
 
 // Times in sqrt(d / g).
 constexpr double kFunnelLook = 0.5;
-constexpr double kQuiet = 20;      // flow that pauses longer has stopped
-constexpr double kLongest = 2000;  // that a trickle is watched
+constexpr double kQuiet = 20;      // a longer pause counts as clogged
+constexpr double kLongest = 2000;  // max. duration of a discharge
 
-constexpr std::size_t kPlug = 1;  // the bodies: the floor is 0
+constexpr std::size_t kPlug = 1;  // index of the body; the floor is 0
 
-constexpr double kSteadyFrom = 0.25;  // of what came while the opening was covered
-constexpr int kFewestPassed = 30;     // particles, in the fitted part, for a rate
+constexpr double kSteadyFrom = 0.25;  // in the mass discharged while the opening was covered
+constexpr int kFewestPassed = 30;     // min. number of particles in the fitted part for a rate
 
 void validate(const LabConditions& conditions, const FunnelOptions& options) {
   validate(conditions.soil);
@@ -50,17 +50,17 @@ struct FunnelApparatus {
       : opening_m(opening * 2 * soil.radius_m),
         fill_m(std::max(options.fill, options.fill_openings * opening) * 2 * soil.radius_m) {
     box.width_m = box.length_m = opening_m + 2 * options.margin * 2 * soil.radius_m;
-    // The bin takes all of the soil, even heaped up at 45 degrees, before it reaches the opening.
+    // The bin holds all of the soil, even in a heap of 45 degrees, below the opening.
     floor_z_m = fill_m + box.width_m / 2;
   }
 
   [[nodiscard]] static double fromAxis(const Vec3& c) { return std::hypot(c.x(), c.y()); }
 
-  /// A ring of particles just as wide as the opening, and a rough floor around it; the plug closes it.
+  /// Returns a ring of particles as wide as the opening with a rough floor around it, and the plug that closes it.
   [[nodiscard]] std::vector<std::vector<Vec3>> floorAndPlug(const SoilParameters& soil, std::uint64_t seed) const {
     const double r = soil.radius_m;
-    constexpr double kSpacing = 1.2;  // R, along the ring: smooth
-    constexpr double kSeam = 0.2;     // R, from the ring to what lies inside and outside: nothing slips between
+    constexpr double kSpacing = 1.2;  // in R, along the ring: smooth
+    constexpr double kSeam = 0.2;     // in R, from the ring to the plug and the floor: no particle fits between
     const double ring_m = opening_m / 2 + r;
     std::vector<Vec3> floor;
     const auto around = static_cast<int>(std::ceil(2 * std::numbers::pi * ring_m / (kSpacing * r)));
@@ -85,7 +85,7 @@ struct FunnelApparatus {
   }
 };
 
-/// One opening from filling to the end of flow.
+/// Test of one opening, from filling to the end of flow.
 class Discharge {
  public:
   Discharge(const LabConditions& conditions, const FunnelApparatus& apparatus)
@@ -134,7 +134,7 @@ class Discharge {
   [[nodiscard]] std::vector<Vec3> flowing() const { return half_way_.empty() ? bed_.soilCentres() : half_way_; }
 
  private:
-  /// Faster than anything that falls with it, for 200 R and more: down through the bin's floor, which it does not feel.
+  /// Pulls the plug down faster than falling soil for at least 200 R, through the bin's floor, which does not stop it.
   void pullPlug() { bed_.moveBody(kPlug, {0, 0, -7 * std::sqrt(conditions_.gravity_m_s2 * apparatus_.floor_z_m)}); }
   void parkPlug() {
     if (bed_.centreOfBody(kPlug).z() < -10 * conditions_.soil.radius_m) {
@@ -144,7 +144,7 @@ class Discharge {
 
   void count() {
     const double passed_below = apparatus_.floor_z_m - 3 * conditions_.soil.radius_m;
-    // In the middle, which empties first: what stands around the rim falls down the sides and covers nothing.
+    // In the centre, which empties first: soil around the rim flows down the sides and does not cover the opening.
     const double middle = std::max(apparatus_.opening_m / 4, 2 * conditions_.soil.radius_m);
     int passed = 0;
     cover_m_ = 0;
@@ -186,14 +186,14 @@ class Discharge {
   const FunnelApparatus& apparatus_;
   double unit_s_;
   LabBed bed_;
-  int settled_below_ = 0;  ///< particles that were under the floor before the plug went
+  int settled_below_ = 0;  ///< particles under the floor before the plug was pulled
   int passed_ = 0;
   double cover_m_ = 0;
   std::vector<Vec3> half_way_;
   FunnelPoint point_;
 };
 
-/// The power law of the openings that count for it.
+/// Fits the power law to the openings that are included.
 DischargeFit fitOf(const FunnelResult& result, double smallest_m) {
   std::vector<DischargePoint> points;
   std::set<double> openings;
@@ -255,7 +255,7 @@ void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_
       (point.clogged ? stopped : ran).push_back({free, point.rate_kg_s > 0 ? point.rate_kg_s : 0});
     }
   }
-  // A clogged opening without a rate is marked at the foot of the axis.
+  // A clogged opening without a rate is marked at the bottom of the axis.
   double lowest = std::numeric_limits<double>::infinity();
   for (const auto* rows : {&ran, &stopped}) {
     for (const std::vector<double>& row : *rows) {
@@ -279,7 +279,7 @@ void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_
       slice.push_back({c.x() * kMm, (c.z() - result.floor_z_m) * kMm, d / 2 * kMm});
     }
   }
-  // gnuplot refuses to plot nothing.
+  // gnuplot fails on empty data.
   for (auto* rows : {&ran, &stopped, &law, &slice}) {
     if (rows->empty()) {
       const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -21,12 +21,12 @@ namespace {
 
 constexpr double kGrainMm = 1e-3;
 constexpr double kGrainBladeThickness_m = 2e-3;
-constexpr double kGrainToolStiffness = 2;  // over the contacts': the blade does not give way before they do
+constexpr double kGrainToolStiffness = 2;  // over that of the contacts: the blade must not deform before they do
 constexpr double kSample_s = 1e-3;
 
-// Room around the blade and its way; below it more than two of the coarsest grains.
+// Space around the blade and its path; below it more than two of the coarsest particles.
 constexpr double kBehind_m = 0.02, kAhead_m = 0.05, kBeside_m = 0.02, kBelow_m = 0.035;
-// Fine grains around the blade: it pushes soil ahead and aside of it.
+// Fine region around the blade, which pushes soil ahead and aside.
 constexpr double kFineAhead_m = 0.025, kFineBeside_m = 0.01, kFineBelow_m = 0.008;
 
 void validate(const LabConditions& conditions, const GrainOptions& options) {
@@ -48,7 +48,7 @@ void validate(const LabConditions& conditions, const GrainOptions& options) {
   }
 }
 
-/// The box, its middle in the middle of the blade's way along x.
+/// Returns the bed; its centre is the centre of the blade's path along x.
 BedParameters boxOf(const LabConditions& conditions, const GrainOptions& options, const SoilParameters& soil) {
   BedParameters bed;
   bed.soil = soil;
@@ -63,7 +63,7 @@ BedParameters boxOf(const LabConditions& conditions, const GrainOptions& options
   return bed;
 }
 
-/// One size of grain, or grading.
+/// Bed with one particle size, or with a grading.
 struct Bedding {
   std::string name;
   BedParameters bed;
@@ -91,8 +91,8 @@ std::vector<Bedding> beddings(const LabConditions& conditions, const GrainOption
   return all;
 }
 
-/// Height of the soil where the blade will go, as a camera sees it: the same for grains of any size, whose tips stand
-/// the higher the larger they are.
+/// Returns the height of the soil on the blade's path, as seen from above. It does not depend on particle size, unlike
+/// the height of the tips.
 double surfaceOfWay(const Bed& bed, const GrainOptions& options) {
   constexpr std::size_t kRays = 200;
   const double length_m = options.travel_m;
@@ -106,7 +106,7 @@ double surfaceOfWay(const Bed& bed, const GrainOptions& options) {
 
 struct Drawn {
   std::size_t particles = 0;
-  std::vector<std::vector<double>> trace;  ///< travel_m, draft_n, filtered_n, one row a sample
+  std::vector<std::vector<double>> trace;  ///< travel_m, draft_n, filtered_n, one row per sample
 };
 
 Drawn draw(const LabConditions& conditions, const GrainOptions& options, const BedParameters& parameters,
@@ -119,7 +119,7 @@ Drawn draw(const LabConditions& conditions, const GrainOptions& options, const B
   of_specimen.soil = parameters.soil;
   LabBed lab(of_specimen, parameters, blade);
 
-  // Upright, its normal along x, let down behind and then drawn.
+  // Upright, its normal along x; lowered at the start of the path and then drawn.
   Eigen::Matrix3d axes;
   axes << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   const double surface = surfaceOfWay(lab.bed(), options);
@@ -149,7 +149,7 @@ Drawn draw(const LabConditions& conditions, const GrainOptions& options, const B
   return drawn;
 }
 
-/// Mean of a column of a trace from where the force counts, and its values less a straight line.
+/// Mean of a column of a trace within the evaluated range, and its values minus a straight line.
 struct Detrended {
   double mean = 0;
   std::vector<double> rest;
@@ -181,7 +181,7 @@ Detrended detrended(const Drawn& drawn, double level_m, std::size_t column) {
   return result;
 }
 
-/// Periodogram with a Hann window, means over bands an eighth of an octave wide.
+/// Returns the periodogram with a Hann window, averaged over bands of an eighth of an octave.
 std::vector<GrainSpectrumPoint> spectrumOf(const std::vector<double>& values) {
   const std::size_t n = values.size();
   constexpr double kBand = 1.0905;

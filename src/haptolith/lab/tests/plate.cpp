@@ -14,13 +14,13 @@ namespace {
 constexpr double kPlateMmPerM = 1000;
 constexpr double kWidestBed_m = 10;
 
-/// Share of rho0 g D, the soil's own scale of pressure under a plate, that counts as contact.
+/// Fraction of rho0 g D, the pressure scale of the soil under a plate, that counts as contact.
 constexpr double kPlateContactShare = 0.05;
 
-/// Thickness over diameter: soil does not flow onto the plate before it has sunk in as deep.
+/// Thickness over diameter; soil does not flow onto the plate at a smaller sinkage.
 constexpr double kThickness = 1.0;
 
-/// Stiffer than the particles, so that the plate does not give way before they do.
+/// Stiffness over that of the particles; the plate must not deform before they do.
 constexpr double kPlateStiffness = 2;
 
 Push plateInto(const LabConditions& conditions, const PlateOptions& options, double area_m2) {

@@ -16,10 +16,10 @@ namespace haptolith {
 
 namespace {
 
-/// The box is wide enough for a heap of this slope. Flatter ones reach the walls, which is reported.
+/// Min. slope of a heap that fits into the box. Flatter ones reach the walls, which is reported.
 constexpr double kFlattestHeap_rad = 20 * std::numbers::pi / 180;
 
-/// Time for the heap to come to rest, in sqrt(R / g). Flanks go on creeping for some tens of them.
+/// Max. time for the heap to settle, in sqrt(R / g). Flanks continue to creep for several tens of them.
 constexpr double kLongestHeapRest = 1000;
 
 void validate(const LabConditions& conditions, const ReposeOptions& options) {
@@ -31,7 +31,7 @@ void validate(const LabConditions& conditions, const ReposeOptions& options) {
   requireInRange("ring_width", options.ring_width, {2, 20});
 }
 
-/// Lengths of the apparatus, in m.
+/// Dimensions of the apparatus, in m.
 struct ReposeApparatus {
   double inner_m, fill_m, spread_m, floor_z_m;
   LabBox box;
@@ -40,13 +40,13 @@ struct ReposeApparatus {
   ReposeApparatus(const SoilParameters& soil, const ReposeOptions& options)
       : inner_m(options.tube_radius * soil.radius_m), fill_m(options.fill * soil.radius_m) {
     const double r = soil.radius_m;
-    // A cone of the volume in the tube: V = pi s^3 tan(angle) / 3.
+    // Radius of a cone with the volume of the tube: V = pi s^3 tan(angle) / 3.
     const double cone_m = std::cbrt(3 * inner_m * inner_m * fill_m / std::tan(kFlattestHeap_rad));
     spread_m = std::max(cone_m, inner_m) + 6 * r;
     floor_z_m = 2 * r;
     box.width_m = box.length_m = 2 * spread_m;
 
-    constexpr double kLooseness = 4;  // loose soil takes up to this many times the room of settled soil
+    constexpr double kLooseness = 4;  // max. volume of loose soil over that of settled soil
     tube.shape = ToolShape::kTube;
     tube.thickness_m = r;  // thick enough to stop a particle, and to round its lower edge
     tube.diameter_m = 2 * inner_m + tube.thickness_m;
@@ -57,7 +57,7 @@ struct ReposeApparatus {
 
   [[nodiscard]] std::vector<Vec3> floor(const SoilParameters& soil, std::uint64_t seed) const {
     std::vector<Vec3> plate = roughPlate(soil, box, floor_z_m - soil.radius_m, seed);
-    std::erase_if(plate, [&](const Vec3& c) { return std::hypot(c.x(), c.y()) > spread_m; });  // nothing gets there
+    std::erase_if(plate, [&](const Vec3& c) { return std::hypot(c.x(), c.y()) > spread_m; });  // no soil reaches it
     return plate;
   }
 
@@ -68,14 +68,14 @@ struct ReposeApparatus {
     return looseSoil(soil, box, particles, floor_z_m + 2 * soil.radius_m, seed, inside);
   }
 
-  /// The tube with the round end of its wall this high above the floor.
+  /// Returns the pose of the tube with the round end of its wall `gap_m` above the floor.
   [[nodiscard]] Pose tubeAt(double gap_m) const {
     return {.position_m = {0, 0, floor_z_m + gap_m + tube.thickness_m / 2 + tube.length_m / 2}};
   }
   [[nodiscard]] double gap(const Pose& tube_pose) const { return tube_pose.position_m.z() - tubeAt(0).position_m.z(); }
 };
 
-/// Watches one test while it runs.
+/// One running test.
 class HeapOnFloor {
  public:
   HeapOnFloor(const LabConditions& conditions, const ReposeOptions& options, const ReposeApparatus& apparatus,
@@ -91,7 +91,7 @@ class HeapOnFloor {
 
   void settle() { bed_.settle(); }
 
-  /// Up until the lower edge is above all soil: only then has the tube nothing left to hold.
+  /// Lifts the tube until its lower edge is above all soil; only then it contains no soil.
   void lift(StagedProgress& progress) {
     const double speed = options_.lift_speed * std::sqrt(conditions_.gravity_m_s2 * conditions_.soil.radius_m);
     const double highest = 1.2 * apparatus_.fill_m + 4 * conditions_.soil.radius_m;
@@ -134,16 +134,16 @@ class HeapOnFloor {
     return result;
   }
 
-  // How a test's time is divided, for progress.
+  // Fractions of a test's time, for progress.
   static constexpr double kLiftBegins = 0.3;
   static constexpr double kRestBegins = 0.85;
 
  private:
-  static constexpr double kLook = 3;  // between looks, in sqrt(R / g)
+  static constexpr double kLook = 3;  // interval between samples, in sqrt(R / g)
 
   [[nodiscard]] double look() const { return kLook * std::sqrt(conditions_.soil.radius_m / conditions_.gravity_m_s2); }
 
-  /// What a particle gains in falling by 1/500 of its radius, as in LabBed::settle().
+  /// Returns the speed of a particle that has fallen by 1/500 of its radius, as in LabBed::settle().
   [[nodiscard]] double restSpeed() const {
     return std::sqrt(2 * conditions_.gravity_m_s2 * conditions_.soil.radius_m / 500);
   }

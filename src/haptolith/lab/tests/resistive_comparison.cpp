@@ -18,18 +18,18 @@ namespace haptolith {
 namespace {
 
 constexpr double kMmPerM = 1000;
-constexpr int kPoints = 40;  ///< of a curve behind its first
+constexpr int kPoints = 40;  ///< number of points of a curve without its first
 
-/// Stiffer than the particles, so that a tool does not give way before they do.
+/// Stiffness over that of the particles; a tool must not deform before they do.
 constexpr double kIntruderStiffness = 2;
 
-/// Share of rho0 g D that counts as contact of the plate, as in plateTest().
+/// Fraction of rho0 g D that counts as contact of the plate, as in plateTest().
 constexpr double kContactShare = 0.05;
 
-/// The plate's curve is read from here on: at first it only meets the tips of single particles.
+/// Fraction of the curve that is not evaluated: at first the plate only touches the tips of single particles.
 constexpr double kReadFrom = 1.0 / 3;
 
-/// Of the box, in D: beside the tool the soil has room to give way, and below it three sinkages.
+/// Dimensions of the box, in D: space for the soil next to the tool, and three sinkages below it.
 constexpr double kBedWidth = 3, kBedDepth = 1.8;
 
 void validate(const LabConditions& conditions, const ResistiveOptions& options) {
@@ -43,11 +43,11 @@ void validate(const LabConditions& conditions, const ResistiveOptions& options) 
   requireInRange("friction_angle_rad", options.friction_angle_rad, {0, 63 * std::numbers::pi / 180});
 }
 
-/// What is pushed in.
+/// Tool that is pushed in.
 struct Pushed {
   const char* name;
   ToolShape shape;
-  bool lies = false;  ///< with its axis along y
+  bool lies = false;  ///< whether its axis is along y
 };
 constexpr std::array kPushed{Pushed{"plate", ToolShape::kPlate}, Pushed{"sphere", ToolShape::kSphere},
                              Pushed{"cone, 90°", ToolShape::kCone}, Pushed{"wheel", ToolShape::kCylinder, true}};
@@ -57,8 +57,8 @@ ToolParameters pushedTool(const Pushed& what, double diameter_m, const LabCondit
   ToolParameters tool;
   tool.shape = what.shape;
   tool.diameter_m = diameter_m;
-  tool.thickness_m = diameter_m;               // a plate is as thick as wide: no soil flows onto it
-  tool.cone_angle_rad = std::numbers::pi / 2;  // blunt, for a sharp point meets single particles
+  tool.thickness_m = diameter_m;               // a plate is as thick as wide, so that no soil flows onto it
+  tool.cone_angle_rad = std::numbers::pi / 2;  // blunt, because a sharp point touches single particles
   tool.length_m = what.lies ? diameter_m / 2 : diameter_m;
   tool.stiffness_n_m = kIntruderStiffness * conditions.soil.stiffness_n_m;
   return tool;
@@ -68,7 +68,7 @@ Quat standing(const Pushed& what) {
   return what.lies ? Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX())) : Quat::Identity();
 }
 
-/// Height of a tool's lowest point over its origin.
+/// Returns the height of a tool's lowest point over its origin.
 double lowestPoint(const ToolParameters& tool) {
   return tool.shape == ToolShape::kCone ? 0 : -tool.diameter_m / 2;
 }
@@ -117,7 +117,7 @@ ResistivePush pushed(const Pushed& what, const LabConditions& conditions, const 
   return result;
 }
 
-/// Density and friction of the soil when it has been sheared for long: what the theory asks for.
+/// Sets density and friction of the soil in the residual state, the inputs of the theory.
 void measureSoil(const LabConditions& conditions, const ResistiveOptions& options, ResistiveResult& result) {
   const ShearResult shear = shearTest(conditions, options.shear);
   result.soil.gravity_m_s2 = conditions.gravity_m_s2;
@@ -146,7 +146,7 @@ void drawBladeBoth(const LabConditions& conditions, const ResistiveOptions& opti
   result.vertical_n = blade.vertical_n;
   result.earthmoving_draft_n = blade.expected.undisturbed.earthmoving.draft_n;
 
-  ToolParameters plate;  // as thin as bladeTest()'s, half of it over the surface
+  ToolParameters plate;  // as thin as in bladeTest(), half of it above the surface
   plate.shape = ToolShape::kBox;
   plate.size_m = {2e-3, options.blade_width_m, 2 * blade.depth_m};
   plate.friction = blade_options.tool_friction;
@@ -166,12 +166,12 @@ ResistiveScaling scaling(std::string name, double factor, const ResistivePush& b
           .theory_exponent = std::log(after.theory_n / before.theory_n) / std::log(factor)};
 }
 
-/// The plate once more with one thing changed, for each thing.
+/// Repeats the plate test with one parameter changed, for each parameter.
 void scale(const LabConditions& conditions, const ResistiveOptions& options, StagedProgress& progress,
            ResistiveResult& result) {
   const ResistivePush& plate = result.pushes.front();
 
-  // From where we are to the Moon or, from bodies as light as it, to the Earth.
+  // Compares with lunar gravity or, under gravity as low as that, with Earth's.
   constexpr double kMoon_m_s2 = 1.625, kEarth_m_s2 = 9.807;
   progress.enter(0.50, 0.60);
   LabConditions elsewhere = conditions;

@@ -20,10 +20,10 @@ namespace haptolith {
 namespace {
 
 constexpr std::size_t kLower = 0, kUpper = 1;  // bodies of the shear cell
-constexpr double kPeakWindow = 0.05;           // strain over which a stress is averaged before it may be a peak
+constexpr double kPeakWindow = 0.05;           // strain over which stresses are averaged for the peak
 constexpr std::size_t kTraceRows = 400;
 
-/// Two rough plates with soil between them.
+/// Shear cell: two rough plates with soil between them.
 class ShearCell {
  public:
   ShearCell(const LabConditions& conditions, const ShearOptions& options)
@@ -58,9 +58,9 @@ class ShearCell {
     }
   }
 
-  /// One step of shearing at `speed_m_s`.
+  /// Advances the shear by one time step at `speed_m_s`.
   void movePlate(double speed_m_s) {
-    // The plate is a rigid body that can only rise and sink: Newton's law under load, soil and some damping.
+    // The plate is a rigid body with vertical motion only: Newton's law with load, soil force and slight damping.
     const double soil_n = lab_.forceOnBody(kUpper).z();
     vertical_m_s_ += lab_.dt() / plate_mass_kg_ * (soil_n - load_n_ - damping_n_s_m_ * vertical_m_s_);
     vertical_m_s_ = std::clamp(vertical_m_s_, -kFastest_m_s, kFastest_m_s);
@@ -136,7 +136,7 @@ double shearSpeed(const LabConditions& conditions, const ShearOptions& options, 
 
 ShearPointResult shearOne(const LabConditions& conditions, const ShearOptions& options, double normal_pa,
                           double& bulk_density) {
-  constexpr double kSheared = 0.3;  // of the test's time goes before
+  constexpr double kSheared = 0.3;  // fraction of the test's time before shearing
   StagedProgress progress(conditions.progress);
   progress.enter(0, kSheared);
   LabConditions staged = conditions;

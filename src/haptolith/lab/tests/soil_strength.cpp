@@ -8,7 +8,7 @@ namespace haptolith {
 
 namespace {
 
-/// The line through the strengths; without cohesion between the particles through the origin.
+/// Returns the line through the strengths; for particles without cohesion the line through the origin.
 MohrCoulomb lineOf(const SoilParameters& soil, const ShearResult& shear, const MohrCoulomb& fitted,
                    double ShearPointResult::*strength_pa) {
   if (soil.contact_cohesion_n > 0) {
@@ -24,7 +24,7 @@ MohrCoulomb undisturbedStrength(const LabConditions& conditions, Preparation pre
   if (preparation == Preparation::kLoose) {
     return residualStrength(conditions, normal_stresses_pa, ShearOptions{}.strain);
   }
-  // The largest of more strain would be more of a scattering stress, so the peak has a short test.
+  // The maximum of a scattering stress grows with strain, so the peak has a short test.
   const ShearResult shear =
       shearTest(conditions, {.normal_stresses_pa = normal_stresses_pa, .strain = 1, .residual_from = 0.9});
   return lineOf(conditions.soil, shear, shear.peak, &ShearPointResult::peak_pa);

@@ -8,16 +8,17 @@
 
 namespace haptolith {
 
-// Strength of a soil for equations that ask for one, measured by shearing it. Soil without cohesion between its
-// particles has none: a fitted line's cohesion would be scatter, and its friction is that of a line without.
+// Strength of a soil for equations, from simulated shear tests. For particles without cohesion the strength has none
+// either: the cohesion of a fitted line would be scatter, so the line goes through the origin.
 
-/// When it first fails: dense soil's peak. Loose soil has none and is sheared for long. Friction angle in rad.
-/// @param normal_stresses_pa  those that the equations' soil is under; three or more.
+/// Returns the strength at first failure: the peak of dense soil. Loose soil has none and is sheared to the residual
+/// state. Friction angle in rad.
+/// @param normal_stresses_pa  stresses in the application of the equations; three or more.
 /// @throws as shearTest(). Not for the tick.
 [[nodiscard]] MohrCoulomb undisturbedStrength(const LabConditions& conditions, Preparation preparation,
                                               const std::vector<double>& normal_stresses_pa);
 
-/// What is left when it has sheared by `strain`; the residual state begins at 2.
+/// Returns the residual strength after shearing by `strain`; the residual state begins at 2.
 /// @throws as shearTest(). Not for the tick.
 [[nodiscard]] MohrCoulomb residualStrength(const LabConditions& conditions,
                                            const std::vector<double>& normal_stresses_pa, double strain);

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kFrictionless = 1e-9;  // rad; below it N_c is its limit
 constexpr double kMeyerhofFrom =
-    std::numbers::pi / 18;  // rad; from 10 deg on friction makes shape and depth count for weight
-constexpr double kCohesionAlone = std::numbers::pi + 2;  // N_c without friction, Prandtl's
+    std::numbers::pi / 18;  // rad; from 10 deg the weight term has factors of shape and depth
+constexpr double kCohesionAlone = std::numbers::pi + 2;  // Prandtl's N_c without friction
 constexpr double kTerzaghiAlone = 1.5 * std::numbers::pi + 1;
 
 void validate(const Footing& footing) {
-  constexpr double kDeepest = 2.5;  // diameters
+  constexpr double kDeepest = 2.5;  // in diameters
   const Range positive{0, Range{}.highest, Ends::kOpen};
   requireInRange("diameter_m", footing.diameter_m, positive);
   requireInRange("depth_m", footing.depth_m, {0, kDeepest * footing.diameter_m});
@@ -29,7 +29,7 @@ void validate(const Footing& footing) {
   requireInRange("cohesion_pa", footing.cohesion_pa, {0, Range{}.highest});
 }
 
-/// K_p = tan^2(45 deg + phi / 2), the passive pressure's coefficient.
+/// Returns K_p = tan^2(45 deg + phi / 2), the coefficient of passive earth pressure.
 double passive(double phi) {
   return std::pow(std::tan(std::numbers::pi / 4 + phi / 2), 2);
 }
@@ -38,8 +38,8 @@ double cohesionFactor(double n_q, double phi, double frictionless) {
   return phi < kFrictionless ? frictionless : (n_q - 1) / std::tan(phi);
 }
 
-/// Terzaghi's passive coefficient of weight, which he gave as a curve; as Bowles tabulates it (Foundation Analysis and
-/// Design, 5th ed., 1996, table 4-2), in between the logarithm is taken along a line.
+/// Returns Terzaghi's passive coefficient of weight, published as a curve; tabulated by Bowles (Foundation Analysis and
+/// Design, 5th ed., 1996, table 4-2). Its logarithm is interpolated linearly.
 double weightCoefficient(double phi) {
   struct Row {
     double deg, k;

@@ -2,25 +2,26 @@
 
 namespace haptolith {
 
-/// A round footing with a flat base, loaded slowly and straight down, in soil without end.
+/// Round footing with a flat base, loaded slowly and vertically, in unbounded soil.
 struct Footing {
   double diameter_m = 0;          ///< D; above 0
-  double depth_m = 0;             ///< D_f, of the base below the surface; 0 to 2.5 D
+  double depth_m = 0;             ///< D_f, depth of the base below the surface; 0 to 2.5 D
   double density_kg_m3 = 0;       ///< rho; above 0
   double gravity_m_s2 = 9.81;     ///< g; above 0 to 1000
   double friction_angle_rad = 0;  ///< phi; 0 to 50 deg
   double cohesion_pa = 0;         ///< c; 0 or more
 };
 
-/// What a footing bears before the soil gives way, and the factors it was made of.
+/// Max. pressure under a footing before the soil fails, and the factors that it consists of.
 struct BearingCapacity {
   double pressure_pa = 0;  ///< q_u
   double n_c = 0, n_q = 0, n_gamma = 0;
 };
 
-/// Bearing capacity of a round footing, in Pa, by one of three theories; q = rho g D_f is what lies beside it.
+/// Returns the bearing capacity of a round footing, in Pa, by one of three theories; q = rho g D_f is the surcharge
+/// around it.
 ///
-///     Terzaghi (Theoretical Soil Mechanics, 1943), local names as there:
+///     Terzaghi (Theoretical Soil Mechanics, 1943):
 ///         q_u = 1.3 c N_c + q N_q + 0.3 rho g D N_gamma
 ///         N_q = exp((3 pi / 2 - phi) tan phi) / (2 cos^2(45 deg + phi / 2)),  N_c = (N_q - 1) cot phi
 ///         N_gamma = tan phi (K / cos^2 phi - 1) / 2, where K is a table
@@ -33,12 +34,12 @@ struct BearingCapacity {
 ///         s_c = 1 + N_q / N_c,  s_q = 1 + tan phi,  s_gamma = 0.6
 ///         d_c = 1 + 0.4 k,  d_q = 1 + 2 tan phi (1 - sin phi)^2 k,  d_gamma = 1
 ///
-/// They differ by a factor of two and more at large angles, mostly in N_gamma: they are a band rather than a number.
-/// All hold for soil that fails as a whole, and fails at one angle; a plate that goes deeper pushes soil aside.
+/// At large angles they differ by a factor of two and more, mostly in N_gamma, so they give a range rather than a
+/// number. All hold for general shear failure at one friction angle; a plate that goes deeper pushes soil aside.
 /// @throws InvalidParameter outside the ranges above. Not for the tick.
 [[nodiscard]] BearingCapacity terzaghiBearing(const Footing& footing);
-/// The same of soil so loose that it gives way under the footing alone, without heaving beside it: with two thirds of c
-/// and of tan phi (Terzaghi 1943, local shear).
+/// As above for local shear failure (Terzaghi 1943): soil so loose that it yields under the footing without heaving
+/// next to it. With two thirds of c and of tan phi.
 [[nodiscard]] BearingCapacity terzaghiLocalBearing(const Footing& footing);
 [[nodiscard]] BearingCapacity meyerhofBearing(const Footing& footing);
 [[nodiscard]] BearingCapacity vesicBearing(const Footing& footing);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMostGap = 5;
 
-/// D - k d: the opening that the centres of the grains have.
+/// Returns D - k d, the opening for the centres of the particles.
 double freeOpening(double opening_m, double particle_diameter_m, double gap) {
   requireInRange("particle_diameter_m", particle_diameter_m, {0, Range{}.highest, Ends::kOpen});
   requireInRange("gap", gap, {0, kMostGap});

@@ -10,7 +10,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr double kMostFriction = std::numbers::pi / 3;  // rad; no soil has more
+constexpr double kMostFriction = std::numbers::pi / 3;  // rad; above that of any soil
 constexpr double kMostAngles =
     std::numbers::pi * 175 / 180;  // rad; alpha + delta + phi; at 180 deg the range of beta is empty
 
@@ -45,7 +45,7 @@ BladeForce earthmovingForceAt(const BladeCase& blade, double beta_rad) {
   const double pushed = blade.rake_rad + blade.tool_friction_rad;
   const double cot_plane = cot(beta_rad + blade.friction_angle_rad);
   const double d = std::cos(pushed) + std::sin(pushed) * cot_plane;
-  const double base = cot(blade.rake_rad) + cot(beta_rad);  // length of the wedge's surface, over its depth
+  const double base = cot(blade.rake_rad) + cot(beta_rad);  // length of the wedge's surface over its depth
 
   BladeForce result;
   result.beta_rad = beta_rad;

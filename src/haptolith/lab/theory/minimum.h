@@ -6,13 +6,13 @@
 
 namespace haptolith {
 
-/// Where a function of one variable is least between two bounds: the best of an even grid, refined by Brent's method
-/// between its neighbours. Good to about 1e-8 of the range, the limit of any search that looks at values alone. Not for
-/// the tick.
+/// Returns the argument of the minimum of a function of one variable between two bounds: the best point of an even
+/// grid, refined by Brent's method between its neighbours. Accurate to about 1e-8 of the range, the limit of any search
+/// without derivatives. Not for the tick.
 /// @param function  finite inside the bounds; it is never called on the bounds themselves.
 template <class Function>
 double minimumBetween(double lowest, double highest, const Function& function) {
-  constexpr int kCells = 200;  // fine enough to find the right valley of any smooth function of this folder
+  constexpr int kCells = 200;  // fine enough to find the right minimum of any smooth function of this folder
   const double cell = (highest - lowest) / kCells;
   double best = lowest + cell / 2;
   double least = std::numeric_limits<double>::infinity();

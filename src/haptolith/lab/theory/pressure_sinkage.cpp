@@ -21,7 +21,7 @@ struct Fit {
   double squares = 0;
 };
 
-/// The best curve with a given exponent. Sinkage counts in units of the deepest one, so that no power is tiny.
+/// Returns the best curve with a given exponent. Sinkage is in units of the deepest one, so that no power is tiny.
 Fit fitWithExponent(std::span<const SinkagePoint> points, double deepest_m, double exponent) {
   double s_zp = 0;
   double s_zz = 0;
@@ -38,7 +38,7 @@ Fit fitWithExponent(std::span<const SinkagePoint> points, double deepest_m, doub
   return fit;
 }
 
-/// The deepest sinkage, of points that a curve can be fitted to.
+/// Checks that a curve can be fitted to the points; returns their deepest sinkage.
 double checkedDepth(std::span<const SinkagePoint> points) {
   double deepest = 0;
   for (const SinkagePoint& point : points) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kTerms = 20;
 
-/// T_k, in the order of the table.
+/// Returns T_k, in the order of the table.
 std::array<double, kTerms> monomials(double x1, double x2, double x3) noexcept {
   return {1,
           x1,
@@ -39,10 +39,10 @@ std::array<double, kTerms> monomials(double x1, double x2, double x3) noexcept {
 
 /// c_1^k, c_2^k, c_3^k of the supporting information of (Agarwal, Goldman, Kamrin 2023), Table S1.
 ///
-/// Taken from what others have copied from there: github.com/D-sorganization/UpstreamDrift (bunkershot3d),
-/// github.com/KKKobefeng/3D-RFT and github.com/Hanneszz/3dRFT-py, and two more programs. Two numbers differ among these
-/// five: c_2 of x3 x2^2 is 0.18519 in three and 0.18589 in the two that share their origin, and c_3 of x2 x3^2 is
-/// -0.02730 in four and -0.20770 in one. Here stands what most have.
+/// Taken from copies of it: github.com/D-sorganization/UpstreamDrift (bunkershot3d), github.com/KKKobefeng/3D-RFT and
+/// github.com/Hanneszz/3dRFT-py, and two more programs. Two numbers differ among these five: c_2 of x3 x2^2 is 0.18519
+/// in three and 0.18589 in the two that share their origin; c_3 of x2 x3^2 is -0.02730 in four and -0.20770 in one. The
+/// majority values are used here.
 constexpr std::array<std::array<double, 3>, kTerms> kCoefficients{{
     {0.00212, -0.06796, -0.02634},   // 1
     {-0.02320, -0.10941, -0.03436},  // x1
@@ -66,7 +66,7 @@ constexpr std::array<std::array<double, 3>, kTerms> kCoefficients{{
     {0.15120, -0.33207, -0.27519},   // x1 x2 x3
 }};
 
-/// f1 n + f2 v - f3 z for a normal that looks down or is level.
+/// Returns f1 n + f2 v - f3 z for a normal that points down or is level.
 Vec3 responseOfDownwardElement(const Vec3& normal, const Vec3& direction) noexcept {
   const std::array<double, kTerms> terms = monomials(-direction.z(), std::abs(normal.z()), normal.dot(direction));
   Vec3 f = Vec3::Zero();
@@ -76,12 +76,12 @@ Vec3 responseOfDownwardElement(const Vec3& normal, const Vec3& direction) noexce
   return f.x() * normal + f.y() * direction - f.z() * Vec3::UnitZ();
 }
 
-/// Level within this counts as level: the response jumps there, and rounding must not decide.
+/// Tolerance of a level normal: the response is discontinuous there, and must not depend on rounding.
 constexpr double kLevel = 1e-9;
 
 using Triangle = std::array<Vec3, 3>;
 
-/// Halves the longest edge until none is longer than `longest_m`.
+/// Halves the longest edge until no edge is longer than `longest_m`.
 void subdivide(const Triangle& triangle, double longest_m, std::vector<Triangle>& pieces) {
   std::size_t longest = 0;
   double length_m = 0;
@@ -104,7 +104,7 @@ void subdivide(const Triangle& triangle, double longest_m, std::vector<Triangle>
   subdivide({middle, b, c}, longest_m, pieces);
 }
 
-/// Corners of what lies below `surface_m`, in order.
+/// Returns the corners of the part below `surface_m`, in order.
 std::vector<Vec3> below(const Triangle& triangle, double surface_m) {
   std::vector<Vec3> corners;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -141,7 +141,7 @@ Vec3 genericResponse(const ResistiveAngles& angles) noexcept {
 }
 
 Vec3 genericResponse(const Vec3& normal, const Vec3& direction) noexcept {
-  // An upright element is one whose outside looks up: so the published angles have it, with beta = -90 deg in front.
+  // The outside of an upright element points up, as in the published angles, with beta = -90 deg in front.
   return responseOfDownwardElement(normal.z() > -kLevel ? Vec3(-normal) : normal, direction);
 }
 

@@ -13,14 +13,15 @@ namespace haptolith {
 
 namespace {
 
-/// w (rho g d^2 N_gamma + ...) of the plane wedge's factors, when the crescents are as much as `sides_m` more width.
+/// Returns w (rho g d^2 N_gamma + ...) from the plane wedge's factors, with crescents equivalent to `sides_m` more
+/// width.
 double forceWithSides(const BladeCase& blade, const BladeForce& plane, double sides_m) {
   const double weight = blade.density_kg_m3 * blade.gravity_m_s2 * blade.depth_m * plane.n_gamma;
   const double ahead = blade.cohesion_pa * plane.n_c + blade.surcharge_pa * plane.n_q;
   const double beside =
       blade.cohesion_pa * plane.n_c + blade.surcharge_beside_pa.value_or(blade.surcharge_pa) * plane.n_q;
   const double adhesion = blade.adhesion_pa * plane.n_a;
-  // A slice of a crescent comes to a point below, so it weighs two thirds of what the wedge does under as much surface.
+  // A slice of a crescent tapers to a point below: it weighs two thirds of a wedge under the same surface area.
   return blade.depth_m *
          (weight * (blade.width_m + 2.0 / 3 * sides_m) + (ahead + adhesion) * blade.width_m + beside * sides_m);
 }
@@ -49,8 +50,9 @@ WedgeForce forceAt(const BladeCase& blade, double beta) {
   return result;
 }
 
-/// The first valley of the draft over beta, seen from 0. At 90 deg the crescents vanish, and the wedge would slide free
-/// between two upright sides without any strength: that this is easier for a flat and narrow blade means nothing.
+/// Returns the first local minimum of the draft over beta, from 0. At 90 deg the crescents vanish, and the wedge would
+/// slide freely between two upright sides without strength. For a flat and narrow blade the draft is lower there, which
+/// is an artefact.
 double weakestSurface(const BladeCase& blade) {
   constexpr int kCells = 400;
   const double steepest = std::min(steepestFailurePlane(blade), std::numbers::pi / 2);
@@ -70,7 +72,7 @@ BladeForce uprightAt(const BladeCase& blade, double beta) {
   const double pushed = blade.rake_rad + blade.tool_friction_rad;
   const double reach = 1 / std::tan(blade.rake_rad) + 1 / std::tan(beta);  // r / d
   const double friction = (1 - std::sin(blade.friction_angle_rad)) * std::tan(blade.friction_angle_rad);
-  // What a stress of 1 on both sides costs, over the width: A is half of d^2 r / d.
+  // Force from a stress of 1 on both sides, over the width: A is half of d^2 r / d.
   const double sides = reach * blade.depth_m / blade.width_m * std::cos(blade.friction_angle_rad) /
                        std::sin(pushed + beta + blade.friction_angle_rad);
   result.n_gamma += sides * friction / 3;

@@ -4,14 +4,14 @@
 
 namespace haptolith {
 
-/// What an adaptive procedure has found so far.
+/// Current estimate of an adaptive procedure.
 struct AdaptiveEstimate {
-  double threshold = 0;  ///< x50; of a comparison, the point of subjective equality
+  double threshold = 0;  ///< x50; in a comparison the point of subjective equality
   double jnd = 0;        ///< x84 - x50, in the unit of x
 };
 
-/// Chooses the next stimulus from the answers to those before. Deterministic, and without memory of its own beyond the
-/// answers: told them again in their order, it goes on exactly where it was.
+/// Chooses the next stimulus from the previous responses. Deterministic, with no state except the responses: replaying
+/// them in order restores its state exactly.
 class AdaptiveProcedure {
  public:
   AdaptiveProcedure() = default;
@@ -19,13 +19,15 @@ class AdaptiveProcedure {
   AdaptiveProcedure& operator=(const AdaptiveProcedure&) = delete;
   virtual ~AdaptiveProcedure() = default;
 
-  /// The level to show next, one of those it was made with; none when it has finished. Asking changes nothing.
+  /// Returns the next level, one of those given to the constructor; empty when it has finished. Does not change the
+  /// state.
   [[nodiscard]] virtual std::optional<double> next() const = 0;
 
-  /// Whether the answer to level `x` was positive: "the test had more". @throws InvalidParameter when `x` is no level.
+  /// Adds the response to level `x`; positive means "the test had more". @throws InvalidParameter if `x` is not a
+  /// level.
   virtual void answer(double x, bool positive) = 0;
 
-  /// None before there is anything to tell.
+  /// Returns the estimate, if there is enough data.
   [[nodiscard]] virtual std::optional<AdaptiveEstimate> estimate() const = 0;
 };
 

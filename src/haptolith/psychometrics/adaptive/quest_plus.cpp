@@ -20,7 +20,7 @@ namespace {
 constexpr int kThresholds = 15;
 constexpr int kWidths = 25;
 
-/// -p ln p, 0 at 0.
+/// Returns -p ln p, 0 at 0.
 double entropyTerm(double p) noexcept {
   return p > 0 ? -p * std::log(p) : 0;
 }
@@ -35,10 +35,10 @@ std::vector<double> spaced(double low, double high, int count) {
   return values;
 }
 
-/// Makes up what the options leave open.
+/// Default values for the options that are not set.
 struct QuestGrid {
   std::vector<double> thresholds = {};
-  std::vector<double> widths = {};  // on the axis
+  std::vector<double> widths = {};  // in units of the axis
 };
 
 QuestGrid gridOf(const QuestPlusOptions& options, const std::vector<double>& levels, double reference) {
@@ -69,7 +69,7 @@ QuestGrid gridOf(const QuestPlusOptions& options, const std::vector<double>& lev
   return grid;
 }
 
-/// The guess rates that go with a lapse rate.
+/// Returns the guess rates for a lapse rate.
 std::vector<double> guessesOf(const QuestPlusOptions& options, double lapse) {
   switch (options.design) {
     case Design::kForcedChoice: return {1.0 / options.alternatives};
@@ -93,8 +93,8 @@ void requireOptions(const QuestPlusOptions& options) {
   require("guesses", options.guesses);
 }
 
-/// The value below which a share of the mass lies, when the mass at each of `values` (ascending) is spread evenly
-/// halfway to its neighbours, and as far outwards at the ends.
+/// Returns a quantile. The mass at each value (ascending) is distributed uniformly to the midpoints with its
+/// neighbours, and symmetrically at the ends.
 double quantile(const std::vector<std::pair<double, double>>& masses, double share) {
   HAPTO_ASSERT(share >= 0 && share <= 1);
   HAPTO_ASSERT(!masses.empty());
@@ -114,7 +114,7 @@ double quantile(const std::vector<std::pair<double, double>>& masses, double sha
   return 0;
 }
 
-/// Median and interval of what `place` says of each hypothesis.
+/// Returns median and interval of `place` over the hypotheses.
 template <class Place>
 Estimate marginal(const std::vector<Hypothesis>& hypotheses, double confidence, Place place) {
   HAPTO_ASSERT(confidence > 0 && confidence < 1);
@@ -152,8 +152,8 @@ QuestPlus::QuestPlus(std::vector<double> levels, std::vector<Hypothesis> hypothe
 }
 
 double QuestPlus::expectedEntropy(std::size_t level) const {
-  // With joint probabilities j = p(answer, hypothesis) and their sum s, s times the entropy of j/s is
-  // sum(-j ln j) + s ln s.
+  // With joint probabilities j = p(response, hypothesis) and their sum s, s times the entropy of j/s is sum(-j ln j) +
+  // s ln s.
   double positive = 0;
   double entropy = 0;
   for (std::size_t i = 0; i < hypotheses_.size(); ++i) {
@@ -223,7 +223,7 @@ std::optional<AdaptiveEstimate> QuestPlus::estimate() const {
 }
 
 Estimate QuestPlus::threshold(double confidence) const {
-  const PsychometricFunction& any = hypotheses_.front().function;  // all have the same axis
+  const PsychometricFunction& any = hypotheses_.front().function;  // any one, because all have the same axis
   const auto place = [](const PsychometricFunction& function) { return toAxis(function, function.threshold); };
   return mapped(marginal(hypotheses_, confidence, place), [&any](double at) { return fromAxis(any, at); });
 }

@@ -10,50 +10,49 @@
 
 namespace haptolith {
 
-/// QUEST+ (Watson 2017, Journal of Vision 17(3):10): each time the stimulus after which the expected entropy of the
-/// posterior over a grid of psychometric functions is least.
+/// Options of QUEST+ (Watson 2017, Journal of Vision 17(3):10). It chooses the stimulus with the least expected entropy
+/// of the posterior over a grid of psychometric functions.
 struct QuestPlusOptions {
   Sigmoid sigmoid = Sigmoid::kWeber;
   Design design = Design::kEqualAsymptote;
-  int alternatives = 2;                 ///< of kForcedChoice, 2 to 100: the guess rate is 1/alternatives
-  bool log_axis = false;                ///< weber, as-printed and weibull are logarithmic anyway
-  std::vector<double> thresholds = {};  ///< empty: 15 within the levels' range; of weber sigmoids, about the reference
-  std::vector<double> widths = {};      ///< empty: 25 that the levels can tell apart; of weber sigmoids Weber fractions
+  int alternatives = 2;                 ///< for kForcedChoice, 2 to 100: the guess rate is 1/alternatives
+  bool log_axis = false;                ///< weber, as-printed and weibull are always logarithmic
+  std::vector<double> thresholds = {};  ///< empty: 15 within the levels' range; for weber sigmoids about the reference
+  std::vector<double> widths = {};  ///< empty: 25 that the levels can discriminate; Weber fractions for weber sigmoids
   std::vector<double> lapses = {0, 0.02, 0.05};
-  std::vector<double> guesses = {0, 0.02, 0.05};  ///< of kYesNo
+  std::vector<double> guesses = {0, 0.02, 0.05};  ///< guess rates for kYesNo
   int trials = 30;
-  /// Ends it before, when the posterior's standard deviation of ln(width) falls below this; 0: never.
+  /// Posterior standard deviation of ln(width) below which the procedure ends early; 0: never.
   double enough_spread = 0;
 };
 
-/// One function of the grid with its probability.
+/// Function of the grid with its probability.
 struct Hypothesis {
   PsychometricFunction function;
   double probability = 0;
 };
 
-/// The engine of QUEST+, over any list of hypotheses. Where two stimuli are equally good, the first of the list is
-/// taken.
+/// QUEST+ over any list of hypotheses. If several stimuli are equally good, the first in the list is taken.
 class QuestPlus : public AdaptiveProcedure {
  public:
-  /// @param hypotheses  with probabilities before the first answer that sum to 1.
-  /// @throws InvalidParameter when there are no levels, no hypotheses or no trials.
+  /// @param hypotheses  hypotheses with prior probabilities of sum 1.
+  /// @throws InvalidParameter without levels, hypotheses or trials.
   QuestPlus(std::vector<double> levels, std::vector<Hypothesis> hypotheses, int trials, double enough_spread = 0);
 
   [[nodiscard]] std::optional<double> next() const override;
   void answer(double x, bool positive) override;
-  /// Posterior medians.
+  /// Returns posterior medians.
   [[nodiscard]] std::optional<AdaptiveEstimate> estimate() const override;
 
-  /// Median and percentile interval of a marginal. Each hypothesis stands for all values that are nearer to its own
-  /// than to those of the others, evenly on the axis (of widths, evenly in their logarithm); where all have the same
-  /// value, the interval is that value.
+  /// Returns median and percentile interval of a marginal. Each hypothesis represents all values closer to it than to
+  /// others, uniformly on the axis (widths uniformly in their logarithm). If all have the same value, that is the
+  /// interval.
   /// @param confidence  between 0 and 1, both excluded.
   [[nodiscard]] Estimate threshold(double confidence = 0.95) const;
   [[nodiscard]] Estimate width(double confidence = 0.95) const;
 
   [[nodiscard]] const std::vector<Hypothesis>& hypotheses() const noexcept { return hypotheses_; }
-  /// Standard deviation of ln(width), from the posterior.
+  /// Returns the posterior standard deviation of ln(width).
   [[nodiscard]] double logWidthSpread() const;
 
  private:
@@ -61,15 +60,15 @@ class QuestPlus : public AdaptiveProcedure {
 
   std::vector<double> levels_;
   std::vector<Hypothesis> hypotheses_;
-  std::vector<std::vector<double>> positive_;  // of each level, the probability under each hypothesis
+  std::vector<std::vector<double>> positive_;  // per level, the probability under each hypothesis
   int trials_;
   double enough_spread_;
   int answered_ = 0;
 };
 
-/// QUEST+ over a grid of threshold, width, lapse rate and, of kYesNo, guess rate, equally probable at first.
-/// @param levels  two or more. @param reference  of a comparison; otherwise any value within the levels.
-/// @throws InvalidParameter when levels and options make no sense.
+/// Creates QUEST+ over a grid of threshold, width, lapse rate and, for kYesNo, guess rate, with a uniform prior.
+/// @param levels  two or more. @param reference  reference of a comparison; otherwise any value within the levels.
+/// @throws InvalidParameter for invalid levels or options.
 [[nodiscard]] std::unique_ptr<QuestPlus> makeQuestPlus(const QuestPlusOptions& options, std::vector<double> levels,
                                                        double reference);
 

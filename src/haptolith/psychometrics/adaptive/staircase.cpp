@@ -23,18 +23,18 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// So many answers ahead of another a staircase waits. Fewer, and who counts foresees more turns (1 of 8 now); more,
-/// and one side has its trials late.
+/// Max. lead of a staircase over another, in responses; then it waits. With less, a participant who counts can predict
+/// more turns than 1 in 8. With more, the trials of one side come late.
 constexpr int kMostAhead = 4;
 
-/// One staircase. Its ladder leads from where it begins to where right answers lead.
+/// One staircase. Its ladder begins at the starting level, and correct responses lead along it.
 struct Track {
   std::vector<double> ladder = {};
   std::size_t place = 0;
   int answers = 0;
   int right_in_a_row = 0;
   int wrong_in_a_row = 0;
-  int direction = 0;  // of the last step: 1 on, -1 back
+  int direction = 0;  // direction of the last step: 1 forward, -1 back
   std::vector<double> reversals = {};
 };
 
@@ -52,8 +52,9 @@ void requireOptions(const StaircaseOptions& options) {
   require("most_trials", options.most_trials, 1);
 }
 
-/// The probability of a right answer at which steps on and back are equally likely: that `down` right ones in a row
-/// come before `up` wrong ones in a row (Feller 1968, An Introduction to Probability Theory, section VIII.1).
+/// Returns the probability of a correct response at which steps forward and back are equally likely: `down` correct
+/// ones in a row come before `up` wrong ones in a row (Feller 1968, An Introduction to Probability Theory, section
+/// VIII.1).
 double settledShare(int down, int up) {
   HAPTO_ASSERT(down >= 1 && up >= 1);
   const auto excess = [&](double p) {
@@ -98,7 +99,7 @@ class Staircase : public AdaptiveProcedure {
   }
 
   [[nodiscard]] std::optional<AdaptiveEstimate> estimate() const override {
-    std::vector<double> means;  // of each side
+    std::vector<double> means;  // one per side
     const auto of_a_side = static_cast<std::size_t>(options_.staircases);
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
       if (std::ssize(tracks_[i].reversals) <= options_.uncounted_reversals) {
@@ -114,7 +115,7 @@ class Staircase : public AdaptiveProcedure {
     }
     const double middle = means.size() == 2 ? (means[0] + means[1]) / 2 : toAxis(reference_);
     const double distance = std::abs(means.front() - middle);
-    // Right answers have the share Phi(distance / sigma); the JND is one sigma.
+    // The fraction of correct responses is Phi(distance / sigma); the JND is one sigma.
     const double share = settledShare(options_.down, options_.up);
     const double sigma = distance / (std::numbers::sqrt2 * boost::math::erf_inv(2 * share - 1));
     return AdaptiveEstimate{fromAxis(middle), fromAxis(middle + sigma) - fromAxis(middle)};
@@ -154,8 +155,8 @@ class Staircase : public AdaptiveProcedure {
     turn_ = may.empty() ? nullptr : may[number % may.size()];
   }
 
-  /// The staircase that an answer to level `x` belongs to: the one whose turn it is. An answer that comes out of turn
-  /// (studies made by earlier versions drew the turns otherwise) goes to the first that has the level, so to its side.
+  /// Returns the staircase for a response to level `x`: the one whose turn it is. A response out of turn, from a study
+  /// with another order of turns, goes to the first staircase with that level, so to the right side.
   Track& trackOf(double x) {
     if (turn_ != nullptr && turn_->ladder[turn_->place] == x) {
       return *turn_;
@@ -199,9 +200,9 @@ class Staircase : public AdaptiveProcedure {
 
   StaircaseOptions options_;
   double reference_;
-  std::vector<Track> tracks_;  // with kDifference those above the reference, then those below it
+  std::vector<Track> tracks_;  // for kDifference first those above the reference, then those below it
   std::mt19937_64 random_;
-  Track* turn_ = nullptr;  // of tracks_; none when all have ended
+  Track* turn_ = nullptr;  // element of tracks_; null when all have ended
   int trials_ = 0;
 };
 

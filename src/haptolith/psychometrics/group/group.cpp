@@ -21,24 +21,24 @@ namespace haptolith {
 
 namespace {
 
-// Half-normal priors of the spread between people keep a few answers from leaving it open: of ln(Weber fraction) or
-// ln(width) a factor of e^0.6 = 1.8 between people is usual; of thresholds a quarter of the stimuli's range.
+// SDs of the half-normal priors of the spread between participants, which keep it bounded with few responses. For
+// ln(Weber fraction) or ln(width) a factor of e^0.6 = 1.8; for thresholds a quarter of the stimuli's range.
 constexpr double kUsualLogSpread = 0.6;
-constexpr double kUsualThresholdSpread = 0.125;  // of the support, which is twice that range
-// Of Beta(1, 100), the prior of the lapse rate that all share. Chosen by simulation
-// (docs/reports/psychometric-coverage.md): a wider one lets few answers of sharp people who lapse pass for those of
-// people who do not, and leaves the Weber fraction open below.
+constexpr double kUsualThresholdSpread = 0.125;  // in units of the support, which is twice that range
+// Beta(1, 100) is the prior of the common lapse rate, chosen by simulation (docs/reports/psychometric-coverage.md).
+// With a wider one, few responses of sensitive participants with lapses resemble those without lapses, and the Weber
+// fraction has no lower bound.
 constexpr double kLapseBeta = 100;
-constexpr std::array kLapses{0.001, 0.02, 0.08};  // under which a table holds the likelihood, if the rate is free
+constexpr std::array kLapses{0.001, 0.02, 0.08};  // lapse rates that a table covers, if the rate is free
 constexpr int kGuesses = 9;
 constexpr int kOverdispersions = 7;
 
-/// A guess rate and an eta that are summed over, with their weight.
+/// Guess rate and eta of a nuisance sum, with their weight.
 struct Nuisance {
   double guess, eta, weight;
 };
 
-/// Values of a parameter that each person has for themselves, dense at the lower end, and their prior masses.
+/// Returns values of an individual parameter, dense at the lower end, with their prior masses.
 std::vector<WeightedValue> nuisanceValues(const Model& model, int parameter, int count) {
   const Support& support = model.support(parameter);
   if (support.isFixed()) {
@@ -46,7 +46,7 @@ std::vector<WeightedValue> nuisanceValues(const Model& model, int parameter, int
   }
   std::vector<WeightedValue> values;
   values.reserve(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {  // the middles of cells that are even in the square root
+  for (int i = 0; i < count; ++i) {  // centres of cells of equal size in the square root
     const double root = (i + 0.5) / count;
     const double value = support.low + (support.high - support.low) * root * root;
     values.push_back({value, std::exp(model.logPrior(parameter, value)) * root});
@@ -69,7 +69,7 @@ std::vector<Nuisance> nuisancesOf(const Model& model) {
   return result;
 }
 
-/// One person's log-likelihood over thresholds (rows) and logarithms of the scale (columns).
+/// Log-likelihood of one participant over thresholds (rows) and logarithms of the scale (columns).
 class Likelihood {
  public:
   Likelihood(const Model& model, std::vector<Level> levels, const std::vector<double>& places,
@@ -131,7 +131,7 @@ class Likelihood {
   std::vector<Eigen::ArrayXXd> shapes_;  // the sigmoid at each level
 };
 
-/// The table of a person's likelihood, where it is not negligible.
+/// Returns the table of a participant's likelihood, where it is not negligible.
 PersonTable tableOf(const Model& model, const std::vector<Level>& levels, const Support& place,
                     const Support& log_scale, Effort effort) {
   const Support& lapse = model.support(kLapse);
@@ -144,7 +144,7 @@ PersonTable tableOf(const Model& model, const std::vector<Level>& levels, const 
                      });
 }
 
-/// Where thresholds lie on their axis, and the logarithms of widths or Weber fractions, and how they may differ.
+/// Ranges of thresholds on their axis and of the logarithms of widths or Weber fractions, and their spreads.
 struct Axes {
   Support place, log_scale;
   SpreadPrior place_spread, log_scale_spread;
@@ -173,7 +173,7 @@ HierarchyPriors priorsOf(const Model& model, const Axes& axes) {
   return priors;
 }
 
-/// Marginals of the two numbers of a person.
+/// Returns a marginal of one of a participant's two numbers.
 Marginal marginalOf(const std::vector<double>& values, const Eigen::ArrayXd& likelihood) {
   const Eigen::ArrayXd log = (likelihood / likelihood.maxCoeff()).max(1e-300).log();
   return {values, {log.begin(), log.end()}};
@@ -188,12 +188,12 @@ Estimate estimateOf(const std::vector<WeightedValue>& values, double confidence)
   return {percentileInterval(values, 0).low, percentileInterval(values, confidence)};
 }
 
-/// Fills in a fit whose threshold and scale have a joint distribution.
+/// Writes a fit from a joint distribution of threshold and scale.
 class FitWriter {
  public:
   FitWriter(const Model& model, const Estimate& lapse, double guess) : model_(model), lapse_(lapse), guess_(guess) {}
 
-  /// @param place, scale  of a threshold on its axis, and of a width or Weber fraction. @param mass  rows: places.
+  /// @param place, scale  threshold on its axis, and width or Weber fraction. @param mass  rows: places.
   [[nodiscard]] Fit write(const std::vector<Level>& levels, const Estimate& place, const Estimate& scale,
                           const std::vector<double>& places, const std::vector<double>& log_scales,
                           const Eigen::ArrayXXd& mass) const {
@@ -214,7 +214,7 @@ class FitWriter {
     fit.jnd = derived(places, log_scales, mass, jndOf);
     fit.weber_fraction = derived(places, log_scales, mass, weberFractionOf);
     if (isWeber(fit.function.sigmoid)) {
-      fit.weber_fraction = scale;  // without the detour over the grid
+      fit.weber_fraction = scale;  // directly, not from the grid
     }
     for (const Level& level : fit.levels) {
       fit.n_trials += level.n;
@@ -262,7 +262,7 @@ double exponential(double place) {
   return std::exp(place);
 }
 
-/// The guess rate of a design that leaves it free is each one's own; the function in the middle has everybody's.
+/// Returns the guess rate of the median function: with a free guess rate that of all participants' responses.
 double guessOf(std::span<const std::vector<Level>> participants, const Model& model) {
   const Support& guess = model.support(kGuess);
   if (guess.isFixed()) {

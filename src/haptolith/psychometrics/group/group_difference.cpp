@@ -13,13 +13,13 @@ namespace haptolith {
 
 namespace {
 
-constexpr int kPriorPlaces = 401;  // of the sum over the prior of a change
+constexpr int kPriorPlaces = 401;  // points of the sum over the prior of a change
 
 Support within(const Marginal& likelihood) {
   return {likelihood.values.front(), likelihood.values.back()};
 }
 
-/// The places of everybody under one condition.
+/// Returns the range of places of all participants under one condition.
 Support reachOf(const Population& population) {
   if (population.likelihoods.empty()) {
     throw InvalidParameter("participants", "none under one of the conditions", "one or more");
@@ -31,7 +31,7 @@ Support reachOf(const Population& population) {
   return reach;
 }
 
-/// The log-likelihood at a place: straight between its values, constant beyond them; nothing is known of nobody.
+/// Returns the log-likelihood at a place: linear between its values, constant beyond them; 0 without a likelihood.
 double logAt(const Marginal* likelihood, double place) {
   if (likelihood == nullptr) {
     return 0;
@@ -43,7 +43,7 @@ double logAt(const Marginal* likelihood, double place) {
   return std::lerp(likelihood->log_density[below], likelihood->log_density[below + 1], at - static_cast<double>(below));
 }
 
-/// What somebody's answers say of the mean of their two places and of the change between these.
+/// Returns the table of a participant's likelihood over the mean of their two places and the change between these.
 PersonTable tableOf(const Marginal* first, const Marginal* second, double offset, const Support& mean,
                     const Support& change) {
   return closedTable(
@@ -64,7 +64,8 @@ double normalDensity(double value, double deviation) noexcept {
   return std::exp(-deviations * deviations / 2) / (deviation * std::sqrt(2 * std::numbers::pi));
 }
 
-/// The Bayes factor of no change: a flat prior's posterior is as the likelihood, which is averaged over the prior.
+/// Returns the Bayes factor of no change. With a flat prior the posterior equals the likelihood, which is averaged over
+/// the prior.
 double bayesFactorOfNone(const Marginal& change, double usual) {
   double averaged = 0;
   const double step = (change.values.back() - change.values.front()) / (kPriorPlaces - 1);

@@ -9,34 +9,34 @@
 
 namespace haptolith {
 
-/// Somebody who took part under one condition or both: their places among a population's participants.
+/// Participant under one or both conditions: their indices among the populations' participants.
 struct UnderBoth {
   std::optional<std::size_t> first = {}, second = {};
 };
 
-/// How a parameter changes from one condition to another.
+/// Change of a parameter from one condition to another.
 struct Change {
-  /// Mean over people of the parameter's place (its logarithm, or itself on a linear axis) under the second condition,
-  /// less that under the first. Places are normally distributed: the mean is the median's place.
+  /// Mean over participants of the parameter's place (its logarithm, or itself on a linear axis) under the second
+  /// condition, minus that under the first. Places are normally distributed, so the mean is the median's place.
   Estimate mean = {};
-  /// Bayes factor for a mean of 0 against one that is normal about 0 with the deviation that is usual between people.
+  /// Bayes factor for a mean of 0 against one that is normal about 0 with the usual deviation between participants.
   double same = 0;
-  SpreadPrior prior = {};  ///< what is usual
+  SpreadPrior prior = {};  ///< usual deviation between participants
 };
 
-/// The change between two conditions, paired within people: (a + b)/2 and b - a of everybody's places a and b come from
-/// two normal distributions (so people differ equally under both), whose means have flat priors and whose standard
-/// deviations have the wider of the two populations' priors. Whoever took part under one condition alone has their
-/// share.
-/// @param offset  is taken from the places under the second condition, such as the difference of their references.
-/// @throws InvalidParameter without anybody under one of the conditions.
+/// Estimates the change between two conditions, paired within participants. With places a and b of a participant, (a +
+/// b)/2 and b - a are from two normal distributions, so the spread is equal under both. Their means have flat priors;
+/// their standard deviations have the wider of the two populations' priors. Participants under only one condition also
+/// contribute.
+/// @param offset  subtracted from the places under the second condition, such as the difference of their references.
+/// @throws InvalidParameter without participants under one of the conditions.
 [[nodiscard]] Change changeBetween(const Population& first, const Population& second,
                                    const std::vector<UnderBoth>& people, double confidence, double offset = 0);
 
-/// The change from one group of people to another, of whom nobody is in both: the difference of the medians that each
-/// group's own hierarchical model finds, whose posteriors are independent.
-/// @param offset  is taken from the places of the second group.
-/// @throws InvalidParameter without anybody in one of the groups.
+/// Estimates the change between two groups without common participants: the difference of the medians of each group's
+/// hierarchical model, with independent posteriors.
+/// @param offset  subtracted from the places of the second group.
+/// @throws InvalidParameter without participants in one of the groups.
 [[nodiscard]] Change changeBetweenGroups(const Population& first, const Population& second, double confidence,
                                          double offset = 0);
 

@@ -22,24 +22,24 @@ using Supports = std::array<Support, kHyperParameters>;
 constexpr Sizes kCoarse{11, 5, 11, 5, 4};
 constexpr Sizes kQuick{15, 7, 15, 7, 6};
 constexpr Sizes kThorough{21, 11, 21, 11, 9};
-constexpr int kMostRounds = 8;    // of coarse grids, each over what the one before has left
-constexpr double kSettled = 0.8;  // of a support: when a round leaves as much of each, the next would bring no more
-// What is less dense than the best point by more than this (e^-9 = 1.2e-4) is left out of the next grid.
+constexpr int kMostRounds = 8;    // rounds of coarse grids, each over the remaining range
+constexpr double kSettled = 0.8;  // remaining fraction of every support at which the rounds end
+// Log density below the best point (e^-9 = 1.2e-4) at which points are left out of the next grid.
 constexpr double kNegligible = 9;
-constexpr double kImpossibleGroup = 1e-300;  // nobody is: one person's answers never exclude a point by themselves
+constexpr double kImpossibleGroup = 1e-300;  // lower bound, because no participant's responses alone exclude a point
 constexpr int kHierarchyDraws = 400;
-constexpr int kQuickPlaces = 31;  // of a table
+constexpr int kQuickPlaces = 31;  // values of a table
 constexpr int kThoroughPlaces = 61;
 constexpr double kNegligibleInTable = 12;
-constexpr int kTableRounds = 2;    // in which a table closes in
-constexpr int kPerCell = 16;       // finer values between those of a marginal
-constexpr int kDifferences = 201;  // some twenty in a standard deviation
+constexpr int kTableRounds = 2;    // rounds of narrowing a table
+constexpr int kPerCell = 16;       // finer values per cell of a marginal
+constexpr int kDifferences = 201;  // about twenty per standard deviation
 
 double normalBelow(double z) noexcept {
   return std::erfc(-z / std::numbers::sqrt2) / 2;
 }
 
-/// The integral of the normal distribution function of this mean and spread up to x.
+/// Returns the integral of the normal distribution function of this mean and spread up to x.
 double integralBelow(double x, double mean, double spread) noexcept {
   if (spread <= 0) {
     return std::max(x - mean, 0.0);
@@ -49,8 +49,8 @@ double integralBelow(double x, double mean, double spread) noexcept {
   return (x - mean) * normalBelow(z) + spread * density;
 }
 
-/// For each mean and spread (rows; the spread runs faster) the weights of evenly spaced values in the expectation of a
-/// function that is straight between them and constant beyond.
+/// Returns, for each mean and spread (rows; the spread varies faster), the weights of evenly spaced values in the
+/// expectation of a function that is linear between them and constant beyond.
 Eigen::MatrixXd normalWeights(const std::vector<double>& means, const std::vector<double>& spreads,
                               const std::vector<double>& values) {
   const auto count = std::ssize(values);
@@ -66,7 +66,7 @@ Eigen::MatrixXd normalWeights(const std::vector<double>& means, const std::vecto
       for (Eigen::Index i = 0; i < count; ++i) {
         below[i] = integralBelow(values[i], mean, spread) / step;
       }
-      double slope_before = 0;  // of `below`: the share of people under the middle of a cell
+      double slope_before = 0;  // slope of `below`: fraction of the population below the centre of a cell
       for (Eigen::Index i = 0; i < count; ++i) {
         const double slope = i + 1 < count ? below[i + 1] - below[i] : 1;
         weights(row, i) = slope - slope_before;
@@ -78,7 +78,7 @@ Eigen::MatrixXd normalWeights(const std::vector<double>& means, const std::vecto
   return weights;
 }
 
-/// Rates are dense at their lower end, where they are most probable.
+/// Returns values of the shared parameter; dense at the lower end, where rates are most probable.
 std::vector<double> sharedValues(const Support& support, int count) {
   std::vector<double> values = evenly({0, 1}, count);
   for (double& value : values) {
@@ -97,7 +97,7 @@ std::array<std::vector<double>, kHyperParameters> gridOf(const Supports& support
   return values;
 }
 
-/// What each value stands for in the trapezoidal rule; 1 of a fixed parameter.
+/// Returns the weights of the trapezoidal rule; 1 for a fixed parameter.
 Eigen::ArrayXd trapezoid(const std::vector<double>& values) {
   Eigen::ArrayXd weights = Eigen::ArrayXd::Zero(std::ssize(values));
   for (Eigen::Index i = 1; i < weights.size(); ++i) {
@@ -108,7 +108,7 @@ Eigen::ArrayXd trapezoid(const std::vector<double>& values) {
   return weights.size() == 1 ? Eigen::ArrayXd::Ones(1) : weights;
 }
 
-/// One grid over means, spreads and the shared parameter.
+/// Grid over means, spreads and the shared parameter.
 class HyperGrid {
  public:
   HyperGrid(const std::vector<PersonTable>& people, const HierarchyPriors& priors, const Supports& supports,
@@ -130,7 +130,7 @@ class HyperGrid {
     }
   }
 
-  /// The part of the support that holds all that is not negligible, by a cell more on either side.
+  /// Returns the part of the support with non-negligible density, plus one cell on either side.
   [[nodiscard]] Supports narrowed() const {
     std::array<std::pair<std::size_t, std::size_t>, kHyperParameters> kept;
     for (int i = 0; i < kHyperParameters; ++i) {
@@ -184,7 +184,7 @@ class HyperGrid {
   }
 
  private:
-  /// A person's likelihood, largest 1, for each value of the shared parameter, and the weights of their values.
+  /// Likelihood of a participant, max. 1, for each value of the shared parameter, and the weights of its values.
   struct Person {
     Eigen::MatrixXd first_weights, second_weights;
     std::vector<Eigen::MatrixXd> likelihoods;
@@ -209,7 +209,7 @@ class HyperGrid {
     return person;
   }
 
-  /// The likelihood of a person's answers at every mean and spread.
+  /// Returns the likelihood of a participant's responses at every mean and spread.
   [[nodiscard]] static Eigen::MatrixXd integrals(const Person& person, std::size_t shared) {
     return (person.first_weights * person.likelihoods[shared]) * person.second_weights.transpose();
   }
@@ -241,7 +241,7 @@ class HyperGrid {
     return most;
   }
 
-  /// Turns log densities into masses that sum to 1.
+  /// Converts log densities to masses with sum 1.
   void takeMasses() {
     std::array<Eigen::ArrayXd, kHyperParameters> weights;
     for (int i = 0; i < kHyperParameters; ++i) {
@@ -318,10 +318,11 @@ class HyperGrid {
   const std::vector<PersonTable>& people_;
   std::array<std::vector<double>, kHyperParameters> values_;
   std::array<Eigen::ArrayXd, kHyperParameters> log_priors_;
-  std::vector<Eigen::ArrayXXd> log_density_;  // for each shared value; after takeMasses() the masses
+  std::vector<Eigen::ArrayXXd> log_density_;  // per shared value; masses after takeMasses()
 };
 
-/// The second difference of a marginal's logarithm at its i-th value; none at an end and next to an impossible value.
+/// Returns the second difference of a marginal's logarithm at its i-th value; empty at an end and next to an impossible
+/// value.
 std::optional<double> bendAt(const std::vector<double>& log, std::ptrdiff_t i) {
   if (i < 1 || i + 1 >= std::ssize(log)) {
     return std::nullopt;
@@ -330,9 +331,9 @@ std::optional<double> bendAt(const std::vector<double>& log, std::ptrdiff_t i) {
   return std::isfinite(bend) ? std::optional(bend) : std::nullopt;
 }
 
-/// The same at both ends of the cell above the i-th value. An unknown one is as the other: the parabola continues.
-/// Neither is more than a few times as strong as the other: a cliff next to the cell would otherwise raise a peak in
-/// it, because the cubic of Catmull and Rom swings out as far as the cliff is deep.
+/// Returns the second differences at both ends of the cell above the i-th value. A missing one equals the other, so the
+/// parabola continues. Each is at most a few times the other: otherwise a cliff next to the cell would cause a peak in
+/// it, because the overshoot of the Catmull-Rom cubic is proportional to the cliff.
 std::array<double, 2> bendsOf(const std::vector<double>& log, std::ptrdiff_t i) {
   constexpr double kStronger = 4;
   const std::optional<double> below = bendAt(log, i);
@@ -343,8 +344,8 @@ std::array<double, 2> bendsOf(const std::vector<double>& log, std::ptrdiff_t i) 
   return {std::clamp(first, -most, most), std::clamp(second, -most, most)};
 }
 
-/// The density between two values, at a fraction of their distance. Its logarithm is the cubic of Catmull and Rom,
-/// which blends the parabolas through three values each; next to an impossible value the density itself is straight.
+/// Returns the density between two values, at a fraction of their distance. Its logarithm is the Catmull-Rom cubic,
+/// which blends the parabolas through three values each; next to an impossible value the density is linear.
 double densityBetween(double log_low, double log_high, const std::array<double, 2>& bends, double fraction) {
   if (!std::isfinite(log_low) || !std::isfinite(log_high)) {
     return std::lerp(std::exp(log_low), std::exp(log_high), fraction);
@@ -353,8 +354,8 @@ double densityBetween(double log_low, double log_high, const std::array<double, 
   return std::exp(std::lerp(log_low, log_high, fraction) - fraction * (1 - fraction) / 2 * bend);
 }
 
-/// The marginal at more values, as masses. Values need not be evenly spaced; a place between two is a fraction of the
-/// way between them.
+/// Resamples the marginal at more values, as masses. Values need not be evenly spaced; a place between two is a
+/// fraction of their distance.
 std::vector<WeightedValue> finer(const Marginal& marginal) {
   const std::vector<double>& values = marginal.values;
   const std::vector<double>& log = marginal.log_density;
@@ -380,7 +381,7 @@ std::vector<double> valuesOf(const Support& support, Effort effort) {
                            : evenly(support, effort == Effort::kThorough ? kThoroughPlaces : kQuickPlaces);
 }
 
-/// The part of a table's values that is kept, by a cell more on either side.
+/// Returns the range of a table's kept values, plus one cell on either side.
 Support narrowed(const std::vector<double>& values, const std::vector<bool>& kept) {
   const auto first = std::ranges::find(kept, true) - kept.begin();
   const auto last = std::ssize(kept) - 1 - (std::find(kept.rbegin(), kept.rend(), true) - kept.rbegin());
@@ -473,7 +474,7 @@ Marginal differenceOf(const Marginal& first, const Marginal& second) {
   const double step = (support.high - support.low) / (kDifferences - 1);
   Eigen::ArrayXd mass = Eigen::ArrayXd::Zero(kDifferences);
   for (const WeightedValue& a : from) {
-    for (const WeightedValue& b : to) {  // parted between the two values beside it
+    for (const WeightedValue& b : to) {  // divided between the two neighbouring values
       const double at = std::clamp((b.value - a.value - support.low) / step, 0.0, kDifferences - 1.0);
       const auto below = std::min(static_cast<Eigen::Index>(at), Eigen::Index{kDifferences - 2});
       const double share = at - static_cast<double>(below);

@@ -11,92 +11,92 @@
 
 namespace haptolith {
 
-/// What one person's answers say of two numbers of theirs, such as the place of their PSE and the logarithm of their
-/// Weber fraction.
+/// Likelihood of one participant's responses over two individual numbers, such as the place of the PSE and the
+/// logarithm of the Weber fraction.
 struct PersonTable {
-  std::vector<double> first, second;  ///< values of the two, evenly spaced; a single one where it is fixed
-  /// The log-likelihood of the person's answers at all of them (rows: first, columns: second), for a value of the
-  /// parameter that all people share.
+  std::vector<double> first, second;  ///< evenly spaced values of both numbers; a single one if fixed
+  /// Log-likelihood of the responses at all values (rows: first, columns: second), for a value of the parameter common
+  /// to all participants.
   std::function<Eigen::ArrayXXd(double shared)> log_likelihood;
 };
 
-/// Makes a log-likelihood for the values of a table.
+/// Returns a log-likelihood for the values of a table.
 using TableMaker = std::function<std::function<Eigen::ArrayXXd(double shared)>(const std::vector<double>& first,
                                                                                const std::vector<double>& second)>;
 
-/// How finely is summed: kQuick for simulations, where the error of the sums drowns in that of few studies.
+/// Resolution of the sums: kQuick for simulations, where the error of the sums is negligible compared with that of few
+/// studies.
 enum class Effort { kQuick, kThorough };
 
-/// A table of 31 values each (thorough: 61) that has closed in, within these supports, on where the likelihood is more
-/// than e^-12 of its largest for any of these values of the shared parameter.
+/// Returns a table of 31 values each (thorough: 61) within these supports. It is narrowed to the region with a
+/// likelihood above e^-12 of its maximum for any of these values of the shared parameter.
 [[nodiscard]] PersonTable closedTable(Support first, Support second, const std::vector<double>& shared, Effort effort,
                                       const TableMaker& make);
 
-/// The parameters of a hierarchy, in the order of its grid: mean and standard deviation of the two numbers among
-/// people, and the parameter that all share.
+/// Parameters of a hierarchy, in the order of its grid: mean and standard deviation of the two numbers over
+/// participants, and the common parameter.
 enum HyperParameter { kFirstMean, kFirstSpread, kSecondMean, kSecondSpread, kShared };
 inline constexpr int kHyperParameters = 5;
 using HyperPoint = std::array<double, kHyperParameters>;
 
 struct HierarchyPriors {
   std::array<Support, kHyperParameters> supports = {};
-  /// ln of a density, which need not be normalised; none: flat.
+  /// Logarithms of the prior densities, which need not be normalised; empty: flat.
   std::array<std::function<double(double)>, kHyperParameters> log_densities = {};
 };
 
 struct Marginal;
 
-/// A standard deviation between people, >= 0, with a half-normal prior: `usual` is the normal distribution's own.
+/// Half-normal prior of a standard deviation between participants, >= 0; `usual` is the SD of the normal distribution.
 struct SpreadPrior {
   double usual = 1;
 
   [[nodiscard]] Support support() const noexcept { return {0, 4 * usual}; }
   [[nodiscard]] double logDensity(double spread) const noexcept;
-  /// The Bayes factor (Savage and Dickey) of a spread of 0: its density in the posterior over that in the prior.
+  /// Returns the Bayes factor (Savage-Dickey) of a spread of 0: its posterior density over its prior density.
   [[nodiscard]] double bayesFactorOfNone(const Marginal& posterior) const;
 };
 
-/// A density on a grid of ascending values.
+/// Density on a grid of ascending values.
 struct Marginal {
   std::vector<double> values = {};
-  /// Its largest is 0; minus infinity where a value is impossible. A single value has all the mass.
+  /// Log density with maximum 0; minus infinity for an impossible value. A single value has all the mass.
   std::vector<double> log_density = {};
 };
 
-/// The posterior of a hierarchy.
+/// Posterior of a hierarchy.
 struct HierarchyPosterior {
   std::array<Marginal, kHyperParameters> marginals = {};
-  /// Mass over the two means: rows are the values of kFirstMean, columns of kSecondMean. Sums to 1.
+  /// Mass over the two means: rows are values of kFirstMean, columns of kSecondMean. Sums to 1.
   Eigen::ArrayXXd means = {};
-  std::vector<HyperPoint> draws = {};             ///< points as probable as the posterior has them
-  std::vector<Eigen::ArrayXXd> people = {};       ///< each one's mass at their table's values; each sums to 1
-  std::vector<Eigen::ArrayXd> first_alone = {};   ///< each one's likelihood of `first`, the rest summed over
-  std::vector<Eigen::ArrayXd> second_alone = {};  ///< the same of `second`
+  std::vector<HyperPoint> draws = {};             ///< points drawn from the posterior
+  std::vector<Eigen::ArrayXXd> people = {};       ///< mass of each participant at their table's values; each sums to 1
+  std::vector<Eigen::ArrayXd> first_alone = {};   ///< marginal likelihood of `first` per participant
+  std::vector<Eigen::ArrayXd> second_alone = {};  ///< marginal likelihood of `second` per participant
 };
 
-/// Sums the posterior of a model in which both numbers of each person come from normal distributions of their own,
+/// Sums the posterior of a model in which both numbers of each participant are from separate normal distributions,
 ///
-///     p(answers | m1, s1, m2, s2, c) = product over people of  N(m1, s1)^T L_i(c) N(m2, s2),
+///     p(responses | m1, s1, m2, s2, c) = product over participants of  N(m1, s1)^T L_i(c) N(m2, s2),
 ///
-/// on grids that close in on where it is. L_i is a person's table, bilinear between its values and constant beyond
-/// them; N holds the exact integrals of a normal distribution times the hat function about each value, so that a spread
-/// of 0 is a place like any other. Deterministic. Only the thorough sum says what the people are, too.
+/// on grids that are narrowed to its region. L_i is a participant's table, bilinear between its values and constant
+/// beyond them. N has the exact integrals of a normal distribution times the hat function about each value, so a spread
+/// of 0 is not singular. Deterministic. Only the thorough sum has results for participants.
 /// @throws Failure when stopAsked().
 [[nodiscard]] HierarchyPosterior hierarchyOf(const std::vector<PersonTable>& people, const HierarchyPriors& priors,
                                              Effort effort);
 
-/// Median and interval of a marginal; its logarithm is taken as a cubic between the values, and the density as straight
-/// next to impossible ones.
+/// Returns median and interval of a marginal. Its logarithm is cubic between the values; the density is linear next to
+/// impossible ones.
 [[nodiscard]] Estimate estimateOf(const Marginal& marginal, double confidence);
 
-/// The density of a marginal at a value, in 1 / its unit; 0 outside its values.
+/// Returns the density of a marginal at a value, in 1 / its unit; 0 outside its values.
 [[nodiscard]] double densityAt(const Marginal& marginal, double value);
 
-/// The density of second - first, of which each is known by itself: of two independent posteriors, on 201 values. Both
-/// have two values or more.
+/// Returns the density of second - first for two independent posteriors, on 201 values. Both have two values or more.
 [[nodiscard]] Marginal differenceOf(const Marginal& first, const Marginal& second);
 
-/// `count` values from low to high.
+/// Returns `count` evenly spaced values from low to high.
 [[nodiscard]] std::vector<double> evenly(const Support& support, int count);
 
 }  // namespace haptolith
