@@ -186,6 +186,13 @@ TEST_F(ThreeGroups, AreWorkedOnInTheOrderThatIsGiven) {
   EXPECT_THAT(wakefulness_.awake(), ElementsAre(2, 1));
 }
 
+TEST_F(ThreeGroups, AGroupOfGhostsAloneKeepsItsPlace) {  // the bed orders its particles' groups only
+  wakefulness_.setOrder({2, 0, 1});
+  wakefulness_.takeOver(state_);
+  wakefulness_.listAwake();
+  EXPECT_THAT(wakefulness_.awake(), ElementsAre(2, 0, 1, 3));
+}
+
 TEST_F(ThreeGroups, PartsTogetherFindTheSameInOrder) {
   step(kRule.steps);
   wakefulness_.setOrder({3, 2, 1, 0});

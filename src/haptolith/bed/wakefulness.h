@@ -36,10 +36,11 @@ class Wakefulness {
 
   Wakefulness(std::size_t groups, const RestRule& rule);
 
-  /// In which order groups are worked on from now on: each number once. Nothing but time depends on it.
+  /// Sets the order of processing: the first groups, each number once; later ones keep their places. Affects speed
+  /// only.
   void setOrder(const std::vector<std::uint32_t>& order) noexcept;
 
-  /// Groups that are worked on, in that order. Behind the last stands one number more, that of no group.
+  /// Awake groups, in that order. One further number after the last is not a group.
   [[nodiscard]] std::span<const std::uint32_t> awake() const noexcept { return {awake_.data(), awake_count_}; }
   [[nodiscard]] const RestRule& rule() const noexcept { return rule_; }
   /// Sets another rule. Sleeping groups stay asleep.

@@ -65,7 +65,7 @@ struct Estimate {
 
 enum class FitMethod { kMap, kMedian, kMaximumLikelihood };
 
-/// Fitted psychometric function, docs/reports/psychometric-coverage.md.
+/// Fitted psychometric function, docs/reference/psychometrics.md.
 struct Fit {
   FitMethod method = FitMethod::kMap;
   Design design = Design::kYesNo;
