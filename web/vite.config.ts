@@ -3,7 +3,7 @@ import { defineConfig, type Plugin } from 'vite';
 import own from './package.json' with { type: 'json' };
 import { protocolSource } from './resolve.config';
 
-// licences.txt beside the page: of the packages that have become a part of it.
+// Writes licences.txt next to the page: the licences of the bundled packages.
 function licences(): Plugin {
   return {
     name: 'licences',
@@ -19,8 +19,8 @@ function licences(): Plugin {
   };
 }
 
-// The page is served offline by `haptolith run` under a strict Content-Security-Policy, so the build is a handful of
-// plain files: no inline script, no code that is loaded later, relative addresses throughout.
+// The page is served offline by `haptolith run` under a strict Content-Security-Policy. The build is therefore a few
+// plain files: no inline script, no code loaded later, relative addresses throughout.
 export default defineConfig({
   base: './',
   ...protocolSource,
@@ -39,6 +39,6 @@ export default defineConfig({
       },
     },
   },
-  // `npm run dev` beside a program or the mock that listens on 8080.
+  // `npm run dev` with a program or the mock that listens on 8080.
   server: { proxy: { '/ws': { target: 'ws://127.0.0.1:8080', ws: true } } },
 });

@@ -1,4 +1,4 @@
-// window.haptolith: what tests and `haptolith snapshot` see and steer.
+// window.haptolith: state and controls for tests and `haptolith snapshot`.
 
 import type { ColourMode, Frame, FrameHeader, Scene, Status } from 'haptolith-protocol';
 import type { Layout } from './panels/layout';
@@ -6,22 +6,22 @@ import type { Drawing, Theme, ViewName } from './settings';
 import type { Stage } from './view/stage';
 
 export interface Automation {
-  /** the first picture with grains in it is drawn */
+  /** the first picture with particles has been drawn */
   readonly ready: boolean;
   readonly scene: Scene | null;
   readonly status: Status | null;
   /** header of the last frame */
   readonly frame: FrameHeader | null;
-  /** time of the frame in the picture, which a study may show late */
+  /** time of the displayed frame, which a study may delay */
   readonly seen_s: number | null;
   readonly client: number | null;
   /** a connection to the program is open */
   readonly connected: boolean;
   readonly particlesDrawn: number;
   readonly framesDrawn: number;
-  /** where the tool is in the picture, in CSS pixels of the page */
+  /** position of the tool, in CSS pixels of the page */
   readonly toolOnScreen: { x: number; y: number } | null;
-  /** where the middle of the bed's surface is in the picture, in CSS pixels of the page */
+  /** position of the centre of the bed's surface, in CSS pixels of the page */
   readonly bedOnScreen: { x: number; y: number } | null;
   readonly inHeadset: boolean;
   setCamera(name: ViewName): void;
@@ -29,7 +29,7 @@ export interface Automation {
   setDrawing(drawing: Drawing): void;
   setTheme(theme: Theme): void;
   hidePanels(hide: boolean): void;
-  /** false: nothing is drawn for now, so that the processor is the loop's */
+  /** false: nothing is drawn for now, which leaves the processor to the loop */
   drawPicture(draw: boolean): void;
 }
 
@@ -42,7 +42,7 @@ declare global {
 interface Parts {
   stage: Stage;
   connection: { readonly connected: boolean };
-  /** none: there are no panels to hide */
+  /** absent: no panels to hide */
   layout?: Layout;
   now: { hello: { client: number } | null; scene: Scene | null; status: Status | null; frame: Frame | null };
   setColour(mode: ColourMode): void;

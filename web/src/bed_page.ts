@@ -47,11 +47,11 @@ import { ToolFiles } from './tool_file';
 import { Stage } from './view/stage';
 
 const DESCRIBE_INTERVAL_MS = 1000;
-// Plots cost as much as a frame of the bed where the processor draws both.
+// In software rendering, plots cost as much as a frame of the bed.
 const SOFTWARE_PLOTS_MS = 240;
 const RECORDING = (run: () => void): Shortcut => ({ keys: ['o'], label: 'record, on and off', group: 'time', run });
 
-/** What a page that shows the bed lets others see and do. */
+/** State and actions that a page with the bed offers to other modules. */
 export interface BedPage {
   readonly stage: Stage;
   readonly notices: Notices;
@@ -59,7 +59,7 @@ export interface BedPage {
   drawing(): Drawing;
 }
 
-/** @param buttons  in the strip along the top, before its own */
+/** @param buttons  buttons in the top strip, before its default buttons */
 export function openBedPage(settings: Settings, program: Program, buttons: HTMLElement[] = []): BedPage {
   const now = {
     hello: null as Hello | null,
@@ -73,7 +73,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
 
   let described_ms = -Infinity;
   let plotted_ms = -Infinity;
-  /** whose numbers the page shows */
+  /** the frame of the displayed numbers */
   let shown_frame: Frame | null = null;
 
   const notices = new Notices(() => connection.retryNow());
@@ -89,7 +89,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   const tell = (command: Command): void => {
     connection.request(command).catch((error: Error) => notices.toast(error.message));
   };
-  /** Whether it was agreed to that changes go on while the person at the device holds it: asked once for each holding. */
+  /** Whether changes while a person holds the device have been confirmed: asked once per holding. */
   let agreed = false;
   const ask = (command: Command): void => {
     if (!isFeltChange(command) || !now.status?.person_feels) return tell(command);
@@ -310,7 +310,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     hint.hidden = hint_hidden || hello.read_only;
     controls.setHello(hello);
     plots.clear();
-    // The program forgets a client's colours with its connection.
+    // The program drops a client's colours with its connection.
     connection.send({ do: 'colour', by: now.colour });
   }
 
@@ -320,7 +320,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
       notices.toast(`${mesh.name}: ${mesh.report.join(' ')}`);
     now.scene = scene;
     stage.setScene(scene);
-    if (!now.hello?.read_only) hand.setScene(scene); // without a scene it takes nothing
+    if (!now.hello?.read_only) hand.setScene(scene); // the hand needs a scene to hold the tool
     vr.setScene(scene);
     strip.setScene(scene);
     tilt_control.element.hidden =
@@ -347,11 +347,11 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     controls.setStatus(status);
     describe();
     notices.setBusy(status.busy);
-    // Pausing, and a hand elsewhere, take the tool out of this one.
+    // A pause, or another hand, takes the tool from this hand.
     if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
   }
 
-  /** At most once a second: it is read aloud. */
+  /** Describes the picture. At most once a second, because it is read aloud. */
   function describe(): void {
     const { scene, frame } = now;
     if (!scene || !frame || performance.now() - described_ms < DESCRIBE_INTERVAL_MS) return;
@@ -422,7 +422,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
 
   function bringTool(): void {
     if (now.hello?.read_only || !bringer.start()) return;
-    // A person may have turned the view away from there.
+    // The view may have been turned away from there.
     if (!stage.isInPicture(bringer.target_m!)) stage.resetView();
   }
 

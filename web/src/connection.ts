@@ -1,4 +1,5 @@
-// The line to what runs the soil: opens it, opens it again when it breaks, and pairs replies with the commands they answer.
+// Connection to the program or worker that runs the soil: opens, reopens after a failure, and matches replies to
+// commands.
 
 import {
   type Command,
@@ -19,31 +20,31 @@ export interface Listener {
   scene(scene: Scene): void;
   status(status: Status): void;
   frame(frame: Frame): void;
-  /** left out: this page takes no part in studies */
+  /** absent: this page takes no part in studies */
   study?(message: StudyMessage): void;
-  /** `connected` after a hello; otherwise why not, in words for a person */
+  /** `connected` is true after a hello; otherwise `why` gives the reason, in words for a person */
   link(connected: boolean, why: string | null): void;
-  /** a message that could not be understood */
+  /** a message could not be decoded */
   damaged(error: unknown): void;
 }
 
-/** A WebSocket, or what behaves like one. */
+/** A WebSocket, or an object with its interface. */
 export type Socket = Pick<WebSocket, 'binaryType' | 'readyState' | 'send' | 'close'> & {
   onopen: ((event: Event) => void) | null;
   onmessage: ((event: MessageEvent<ArrayBuffer | string>) => void) | null;
   onclose: ((event: CloseEvent) => void) | null;
 };
 
-/** What runs the soil: a program somewhere, or a worker of this page. */
+/** Program that runs the soil: remote, or a worker of this page. */
 export interface Program {
   connect(): Socket;
-  /** why it could not be reached, in words for a person; null: nobody knows */
+  /** reason why it could not be reached, in words for a person; null: unknown */
   whyNotReached(): Promise<string | null>;
-  /** it is gone when nothing has come from it for so long */
+  /** silence in ms after which it counts as lost */
   readonly longest_silence_ms: number;
-  /** takes a file for a command to name by the number; @throws Error in words for a person */
+  /** uploads a file; returns the number with which a command refers to it; @throws Error in words for a person */
   upload(file: Blob): Promise<number>;
-  /** where a recording can be downloaded; null: nothing is recorded */
+  /** address for the download of a recording; null: recordings are not supported */
   recordingAddress: ((file: string) => string) | null;
 }
 
@@ -54,11 +55,11 @@ export class CommandError extends Error {
 
 const FIRST_RETRY_MS = 250;
 const LONGEST_RETRY_MS = 4000;
-const OPEN = 1; // of readyState
-// A half-open connection looks alive for minutes; the program sends a status four times a second, so 8 s of silence mean
-// that it is gone.
+const OPEN = 1; // value of readyState
+// A half-open connection appears alive for minutes. The program sends a status four times a second, so 8 s of silence
+// mean that the connection is lost.
 const SILENCE_MS = 8000;
-/** a page that is drawn for a picture hears nothing while it draws, however long that takes */
+/** a page that is drawn for a picture receives nothing while it draws, however long that takes */
 export const SILENCE_FOR_PICTURES_MS = 3_600_000;
 const Uploaded = v.object({ upload: v.number() });
 
@@ -70,7 +71,7 @@ export function socketAddress(location: Location, token: string | null): string 
   return `${scheme}//${location.host}/ws${query}`;
 }
 
-/** `haptolith run` and its like, by the address of its WebSocket. */
+/** `haptolith run` and similar programs, by the address of their WebSocket. */
 export class ServedProgram implements Program {
   constructor(
     private readonly address: string,
@@ -81,14 +82,14 @@ export class ServedProgram implements Program {
     return new WebSocket(this.address, SUBPROTOCOL);
   }
 
-  /** A browser does not tell why a WebSocket did not even open, but an ordinary request to the same address does. */
+  /** Asks the same address by an ordinary request, because browsers do not report why a WebSocket failed to open. */
   async whyNotReached(): Promise<string | null> {
     try {
       const { status } = await fetch(this.address.replace(/^ws/, 'http'), { cache: 'no-store' });
       if (status === 401) return NO_TOKEN;
       if (status === 429) return 'too many wrong tokens came from here';
     } catch {
-      // nobody is there
+      // no program at this address
     }
     return null;
   }
@@ -141,7 +142,7 @@ export class Connection {
     this.socket?.close();
   }
 
-  /** Tries again at once, for instance when the page becomes visible or the person presses the button. */
+  /** Retries immediately, for instance when the page becomes visible or the user presses the button. */
   retryNow(): void {
     if (this.closed || this.socket) return;
     clearTimeout(this.retry_timer);
@@ -152,7 +153,7 @@ export class Connection {
     return this.socket?.readyState === OPEN;
   }
 
-  /** Sends a command; resolves when the program accepts it, rejects with its words when it does not. */
+  /** Sends a command; resolves when the program accepts it, rejects with its message when it does not. */
   request(command: Command): Promise<void> {
     if (!this.connected) return Promise.reject(new CommandError('not connected to the program'));
     const id = this.next_id++;
@@ -162,7 +163,7 @@ export class Connection {
     });
   }
 
-  /** Sends a command that needs no reply: the poses of a hold, sixty times a second. */
+  /** Sends a command that needs no reply: the poses of a hold, 60 times per second. */
   send(command: Command): void {
     if (this.connected) this.socket!.send(encodeCommand(command));
   }

@@ -1,20 +1,20 @@
-// Which page it is: the address says so.
+// Selects the page by its address.
 //
-//   bed_page.ts     the page that shows the bed and holds the tool
+//   bed_page.ts     the page with the bed and the tool
 //   study/          the participant's and the experimenter's page of a study: `?study=participant`, `?study=experimenter`
 //
-// and what they are made of:
+// Parts of the pages:
 //
-//   protocol.ts     what the program says and understands (docs/reference/web-protocol.md); study/protocol.ts: what a study adds
-//   connection.ts   the line to the program; comes back by itself; token.ts: what the program wants to know first
-//   view/           the picture: Stage holds all that stands in it; each thing has a file; shaders work in the scene's
-//                   frame, in metres, so that a screen and a headset see the same
-//   hand/           holding the tool: Hand sends where it is wished; mouse, keys, gamepad and controller move the wish
+//   ../protocol/    messages and commands of the program (docs/reference/web-protocol.md), and those of a study
+//   connection.ts   connection to the program, which reconnects automatically; token.ts: access token for the program
+//   view/           the picture: Stage contains all objects, one file each; shaders work in the scene's frame, in
+//                   metres, so that a screen and a headset show the same
+//   hand/           holding the tool: Hand sends the target pose, which mouse, keys, gamepad and controller move
 //   panels/         numbers, plots and controls around the picture
 //   automation.ts   window.haptolith, for tests and for pictures from the command line
 //
-// Messages flow one way: program -> connection -> stage and panels. What a person does goes to the program as a command,
-// and the page shows it when the program's next message says that it is so.
+// Messages flow one way: program -> connection -> stage and panels. Actions of the user go to the program as commands,
+// and the page shows their effect when the program's next message confirms it.
 
 import './style.css';
 import './study/study.css';

@@ -1,12 +1,12 @@
-// What the person chose for this page: from the address first (a snapshot command chooses what is drawn that way), else
-// remembered from the last visit, else the browser's preference.
+// Settings of this page: from the address first (a snapshot command selects its view that way), else stored from the
+// last visit, else the browser's preference.
 
 import { COLOUR_MODES, type ColourMode, type Role, ROLES } from 'haptolith-protocol';
 
 export const VIEW_NAMES = ['front', 'side', 'top', 'three-quarter'] as const;
 export type ViewName = (typeof VIEW_NAMES)[number];
 export type Theme = 'dark' | 'light';
-/** how soil is drawn: as soil, or as the balls that are computed */
+/** ways to draw soil: realistic, or as the simulated particles */
 export const DRAWINGS = ['grains', 'balls'] as const;
 export type Drawing = (typeof DRAWINGS)[number];
 
@@ -16,9 +16,9 @@ export interface Settings {
   drawing: Drawing;
   theme: Theme;
   panels: boolean;
-  /** the page is drawn for a picture or a film: always all pixels, and nothing that is only for a person at work */
+  /** the page is drawn for a picture or an animation: always full resolution, without elements that only users need */
   for_pictures: boolean;
-  /** the page of a study, and whose; null: the bed's own page */
+  /** role in a study; null: the bed's page */
   study: Role | null;
 }
 
@@ -30,7 +30,7 @@ function oneOf<T extends string>(names: readonly T[], value: string | null): T |
   return names.find((name) => name === value) ?? null;
 }
 
-// Storage can be forbidden (private windows); then nothing is remembered.
+// Storage can be forbidden (private windows); then nothing is stored.
 function recall(key: string): string | null {
   try {
     return localStorage.getItem(key);

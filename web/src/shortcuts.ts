@@ -1,9 +1,9 @@
-// Every keyboard shortcut, in one table: the keyboard acts on it, the help shows it.
+// All keyboard shortcuts in one table, for key events and for the help.
 
 export interface Shortcut {
   /** as `KeyboardEvent.key`, lower case */
   keys: string[];
-  /** as written in the help; the keys themselves when missing, no line of its own when empty */
+  /** text in the help; default: the keys themselves; empty: no separate line */
   shown?: string;
   label: string;
   group: 'touch' | 'tool' | 'view' | 'bed' | 'time' | 'page';
@@ -19,7 +19,7 @@ export const TOUCH: Shortcut[] = [
   { keys: [], shown: 'tap a number', label: 'what it means', group: 'touch' },
 ];
 
-/** Keys that move the tool; hand/key_hand.ts acts on them. */
+/** Keys that move the tool; handled in hand/key_hand.ts. */
 export const TOOL_KEYS: Shortcut[] = [
   { keys: [], shown: 'drag the tool', label: 'hold it and dig; Shift for fine', group: 'tool' },
   { keys: [], shown: 'wheel while held', label: 'away and nearer; from above: lower and raise', group: 'tool' },
@@ -52,7 +52,7 @@ export function runShortcut(shortcuts: Shortcut[], event: KeyboardEvent): boolea
   return true;
 }
 
-/** Keys typed into a field, or that a focused control acts on itself, are no shortcuts. */
+/** Whether a key is typed into a field, or handled by a focused control, and so is not a shortcut. */
 export function isTyping(event: KeyboardEvent): boolean {
   const target = event.target;
   // A dialog that was just closed keeps the focus for a moment.

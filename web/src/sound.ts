@@ -1,38 +1,39 @@
-// The sound of digging, off until somebody asks for it: noise as loud as the work that the tool does on the soil, and as
-// high as real grains of 0.1 mm pass by it. On the Moon it would come through the handle, for there is no air.
+// The sound of digging, off by default: noise whose loudness depends on the tool's work on the soil. Its pitch is the
+// rate at which real grains of 0.1 mm diameter pass the tool. On the Moon it would be transmitted by the handle,
+// because there is no air.
 
 import type { Frame, FrameHeader, Pose, Quat, Vec3 } from 'haptolith-protocol';
 
-// Loudness grows with power, so amplitude with its root; at this power it is as loud as it gets.
+// Loudness grows with power, so amplitude with its square root; it saturates at this power.
 const LOUDEST_W = 0.5;
 const LOUDEST = 0.5;
 // Half of the Moon's soil, by mass, is finer than 0.04 to 0.13 mm: Carrier, Olhoeft and Mendell, Lunar Sourcebook (1991), 9.1.
 const GRAIN_M = 1e-4;
 const PITCH_HZ = { low: 180, high: 5000 } as const;
-// A knock: the force rises by more than this from one frame to the next, and loudest at this.
+// A knock: the force rises by more than `least` from one frame to the next; it is loudest at `loudest`.
 const KNOCK_N = { least: 0.5, loudest: 5 } as const;
 const LONGEST_GAP_S = 0.25;
 const NOISE_S = 2;
-// Of the noise, so many samples of a hundred: soil crackles, and does not hiss.
+// Percentage of noise samples that are not zero: soil crackles, and does not hiss.
 const CRACKLE = 12;
 
-/** What a movement sounds like; null: nothing is known of it. */
+/** Motion between two frames as input of the sound. */
 export interface Sounding {
   /** work on the soil, W */
   power_w: number;
-  /** of the tool's origin, m/s */
+  /** speed of the tool's origin, m/s */
   speed_m_s: number;
-  /** by how much the force has grown, N */
+  /** increase of the force, N */
   rise_n: number;
 }
 
-/** From one frame to the next. */
+/** Returns the motion from one frame to the next; null: unknown. */
 export function sounding(before: FrameHeader | null, now: FrameHeader): Sounding | null {
   const elapsed_s = before ? now.time_s - before.time_s : 0;
   if (!before || before.scene !== now.scene || elapsed_s <= 0 || elapsed_s > LONGEST_GAP_S) return null;
   const way_m = now.tool.position_m.map((value, axis) => value - before.tool.position_m[axis]!) as Vec3;
   const turned_rad = turnBetween(before.tool, now.tool);
-  // The force is the soil's on the hand: what the hand does against it is work on the soil.
+  // The force is the soil's on the hand, so the hand's work against it is work on the soil.
   const work_j = -(
     dot(mean(before.force_n, now.force_n), way_m) + dot(mean(before.torque_nm, now.torque_nm), turned_rad)
   );
@@ -43,7 +44,7 @@ export function sounding(before: FrameHeader | null, now: FrameHeader): Sounding
   };
 }
 
-/** Amplitude, 0 to 1. */
+/** Returns the amplitude, 0 to 1. */
 export function loudness(power_w: number): number {
   return LOUDEST * Math.min(1, Math.sqrt(power_w / LOUDEST_W));
 }
@@ -52,7 +53,7 @@ export function pitch_hz(speed_m_s: number): number {
   return Math.min(PITCH_HZ.high, Math.max(PITCH_HZ.low, speed_m_s / GRAIN_M));
 }
 
-/** Amplitude, 0 to 1, of a tool that knocks against a stone. */
+/** Returns the amplitude, 0 to 1, of a tool that knocks against a stone. */
 export function knock(rise_n: number): number {
   return rise_n < KNOCK_N.least ? 0 : LOUDEST * Math.min(1, rise_n / KNOCK_N.loudest);
 }
@@ -63,12 +64,13 @@ export class SoilSound {
   private stones: { gain: GainNode; filter: BiquadFilterNode } | null = null;
   private last: FrameHeader | null = null;
 
-  /** `make`: what plays, null where the browser has nothing that does. */
+  /** `make`: creates the audio output; null where the browser has none. */
   constructor(
     private readonly make: () => AudioContext | null = () => (self.AudioContext ? new AudioContext() : null),
   ) {}
 
-  /** Call it from a click: browsers are silent until then. False: this browser plays nothing. */
+  /** Turns the sound on or off. To be called from a click: browsers are silent until then. False: this browser
+   * cannot play sound. */
   setOn(on: boolean): boolean {
     if (!on) {
       void this.context?.close();
@@ -91,7 +93,7 @@ export class SoilSound {
     if (!heard) return;
     const now_s = context.currentTime;
     grains.filter.frequency.setTargetAtTime(pitch_hz(heard.speed_m_s), now_s, 0.03);
-    // Silent again soon when no other frame comes.
+    // Fades out soon unless another frame comes.
     swell(grains.gain.gain, loudness(heard.power_w), now_s, 0.02, 0.1);
     const hit = frame.stones.length > 0 ? knock(heard.rise_n) : 0;
     if (hit > 0) swell(stones.gain.gain, hit, now_s, 0.002, 0.01);
@@ -114,7 +116,7 @@ export class SoilSound {
   }
 }
 
-/** Noise of single grains: mostly silence. */
+/** Returns noise of single grains, which is mostly silence. */
 export function crackle(samples: number): Float32Array {
   const noise = new Float32Array(samples);
   for (let i = 0; i < samples; ++i) if (100 * Math.random() < CRACKLE) noise[i] = 2 * Math.random() - 1;
@@ -127,7 +129,7 @@ function swell(gain: AudioParam, to: number, now_s: number, rise_s: number, held
   gain.setTargetAtTime(0, now_s + held_s, 0.05);
 }
 
-/** Small turn from one pose to another, rad, scene frame. */
+/** Returns the small rotation from one pose to another, rad, scene frame. */
 function turnBetween(before: Pose, now: Pose): Vec3 {
   const [w, x, y, z] = before.rotation;
   const [real, ...axis] = times(now.rotation, [w, -x, -y, -z]);

@@ -1,5 +1,5 @@
-// The token that the program printed with the address. It is kept for this tab only, so that the page can be loaded again,
-// and taken out of the address bar, where a bystander could read it, and out of the history.
+// The access token that the program printed with the address. It is stored for this tab only, so that the page can be
+// reloaded. It is removed from the address bar, where a bystander could read it, and from the history.
 
 const KEY = 'haptolith.token';
 
@@ -14,7 +14,7 @@ export function takeToken(
     if (token === null) return storage().getItem(KEY);
     storage().setItem(KEY, token);
   } catch {
-    return token; // storage can be forbidden: then the address stays as it is
+    return token; // storage can be forbidden: then the address is unchanged
   }
   address.searchParams.delete('token');
   history.replaceState(history.state, '', address);

@@ -1,4 +1,4 @@
-// A tool from a file of the person's: chosen or dropped on the page, uploaded, then asked for.
+// A tool from a file of the user: chosen or dropped on the page, uploaded, then requested.
 
 import type { ToolFile } from 'haptolith-protocol';
 import { h } from './panels/html';
@@ -13,7 +13,7 @@ const UNITS_MM: [name: string, unit_mm: number][] = [
   ['inches', 25.4],
 ];
 
-/** Why this file cannot be a tool, in words for a person; null: it may be one. */
+/** Returns the reason why this file cannot be a tool, in words for a person; null: it may be one. */
 export function whyNoTool(file: Pick<File, 'name' | 'size'>): string | null {
   if (!ENDINGS.some((ending) => file.name.toLowerCase().endsWith(ending)))
     return `${file.name} is no drawing of a tool: its name must end in ${ENDINGS.join(', ')}.`;
@@ -23,17 +23,17 @@ export function whyNoTool(file: Pick<File, 'name' | 'size'>): string | null {
 }
 
 interface Listener {
-  /** takes a file for a command to name by the number; @throws Error in words for a person */
+  /** uploads a file; returns the number with which a command refers to it; @throws Error in words for a person */
   upload(file: Blob): Promise<number>;
-  /** whether the program takes any now */
+  /** whether the program currently accepts uploads */
   taken(): boolean;
   use(file: ToolFile): void;
   refused(why: string): void;
 }
 
-/** Asks for files, by a button or dropped on the page. */
+/** Requests files, by a button or dropped on the page. */
 export class ToolFiles {
-  /** says where to drop, while something is held over the page */
+  /** hint while a file is dragged over the page */
   readonly overlay = h(
     'div',
     { class: 'drop-here', hidden: true },
@@ -44,7 +44,7 @@ export class ToolFiles {
   constructor(private readonly listener: Listener) {
     this.chooser.addEventListener('change', () => {
       const file = this.chooser.files?.[0];
-      this.chooser.value = ''; // the same file again is a change again
+      this.chooser.value = ''; // so that the same file can be chosen again
       if (file) this.take(file);
     });
     let over = 0;

@@ -1,13 +1,13 @@
-// How large a tool is that somebody drew.
+// Size of a tool from a mesh file.
 
 import type { ToolMesh } from 'haptolith-protocol';
 
 export interface MeshSize {
-  /** longest edge of the box around it */
+  /** longest edge of its bounding box */
   longest_m: number;
-  /** radius of the sphere around it whose middle is the tool's origin */
+  /** radius of its bounding sphere about the tool's origin */
   reach_m: number;
-  /** half of the box around it whose middle is the tool's origin */
+  /** half extents of its bounding box centred at the tool's origin */
   half_m: [number, number, number];
 }
 

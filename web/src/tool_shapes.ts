@@ -1,4 +1,4 @@
-// What the page knows of each shape of a tool. A new shape is an entry here and its word in the protocol's `Shape`.
+// Properties of each tool shape. A new shape needs an entry here and its word in the protocol's `Shape`.
 
 import type { Shape, Tool, Vec3 } from 'haptolith-protocol';
 import { CylinderGeometry, EdgesGeometry, SphereGeometry, type BufferGeometry, type Object3D } from 'three';
@@ -6,39 +6,39 @@ import { sizeOfMesh } from './tool_mesh';
 import { meshEdges, meshGeometry } from './view/mesh_geometry';
 import { blade, halfJaw_m, rightJaw, shovelHandle, stick, yoke, type ToolMaterials } from './view/tool_geometry';
 
-/** A number that a person may change. */
+/** A size that the user can change. */
 export interface ToolSize {
   name: string;
   mm(tool: Tool): number;
-  /** what to ask for, so that it becomes another */
+  /** returns the change to request for a new size */
   change(mm: number, tool: Tool): Partial<Tool>;
 }
 
-/** What a tool is made of, as the shader of its shadow knows it; of `none` it knows nothing, and there is no shadow. */
+/** Solids that the shader of the tool's shadow supports; `none` has no shadow. */
 export const SOLIDS = ['box', 'sphere', 'cylinder', 'none'] as const;
 
 export interface ToolShape {
-  /** on buttons and in sentences */
+  /** name on buttons and in sentences */
   name: string;
   sizes: readonly ToolSize[];
   /** longest edge or diameter, in m */
   longest_m(tool: Tool): number;
-  /** radius of the sphere around it whose middle is the tool's origin, in m */
+  /** radius of the bounding sphere about the tool's origin, in m */
   reach_m(tool: Tool): number;
-  /** how far its nose points down when a pointer takes it, in degrees; 0: it digs as it stands */
+  /** angle by which the nose turns down when a pointer takes the tool, in degrees; 0: no change */
   dig_tilt_deg: number;
-  /** it is two solids, which open along the tool's x */
+  /** whether it is two solids, which open along the tool's x */
   jaws: boolean;
   solid: (typeof SOLIDS)[number];
-  /** half of the solid's size along the tool's x, y and z, in m, of one jaw with its bulge; of `none`, of a box around
-   * it about the tool's origin */
+  /** half extents of the solid along the tool's x, y and z, in m; for jaws those of one jaw with its bulge; for
+   * `none` those of a bounding box about the tool's origin */
   half_m(tool: Tool): Vec3;
-  /** the solid, in m, about its middle, of jaws the right one, about the middle of its flat plate; a mesh is where it was
-   * drawn */
+  /** the solid, in m, about its centre; for jaws the right one, about the centre of its flat plate; a mesh in its
+   * file's frame */
   geometry(tool: Tool): BufferGeometry;
   /** those edges of the geometry that are drawn as lines */
   edges(solid: BufferGeometry, tool: Tool): BufferGeometry;
-  /** what is only there so that the tool can be recognised: soil passes through it */
+  /** decoration that makes the tool recognisable: soil passes through it */
   extras(tool: Tool, materials: ToolMaterials): Object3D[];
 }
 
@@ -61,11 +61,11 @@ const THICKNESS: ToolSize = {
 const LENGTH: ToolSize = { name: 'length', mm: (tool) => tool.length_mm, change: (length_mm) => ({ length_mm }) };
 const OPENING: ToolSize = { name: 'opening', mm: (tool) => tool.opening_mm, change: (opening_mm) => ({ opening_mm }) };
 
-/** Faces that meet at more than this have an edge. */
+/** Faces that meet at a larger angle have an edge. */
 const EDGE_ANGLE_DEG = 25;
 const sharpEdges = (solid: BufferGeometry): BufferGeometry => new EdgesGeometry(solid, EDGE_ANGLE_DEG);
 
-/** Round about z, with flat ends. */
+/** A cylinder about z, with flat ends. */
 const round = (name: string, height: ToolSize): ToolShape => ({
   name,
   sizes: [DIAMETER, height],
@@ -112,7 +112,7 @@ export const TOOL_SHAPES = {
   },
   plate: round('plate', THICKNESS),
   cylinder: round('cylinder', LENGTH),
-  // Of jaws the edges are along z, y and x.
+  // The edges of jaws (length, width, thickness) are along z, y and x.
   jaws: {
     name: 'jaws',
     sizes: [...EDGES, OPENING],
@@ -129,7 +129,7 @@ export const TOOL_SHAPES = {
     edges: sharpEdges,
     extras: yoke,
   },
-  // What somebody drew is the whole tool. The box around it is no solid: soil lies in a scoop, and in its box.
+  // A mesh is the complete tool. Its bounding box is not a solid, because soil can be inside it, as in a scoop.
   mesh: {
     name: 'mesh',
     sizes: [],
@@ -147,5 +147,5 @@ export const TOOL_SHAPES = {
 
 export const shapeOf = (tool: Tool): ToolShape => TOOL_SHAPES[tool.shape];
 
-/** Whether it can become one of this shape: a mesh has to be drawn first. */
+/** Whether the tool can change to this shape: a mesh has to be loaded first. */
 export const canBecome = (tool: Tool, shape: Shape): boolean => shape !== 'mesh' || tool.mesh !== null;

@@ -1,5 +1,5 @@
-// npm run demo-speed -- FOLDER [SCENE...]: of the demo in FOLDER, in a browser without a graphics card, how long until the first
-// picture, how much was sent, and how fast its soil is.
+// npm run demo-speed -- FOLDER [SCENE...]: measures the demo in FOLDER, in a browser without a graphics card: time to
+// the first frame, transferred bytes, and speed of its soil.
 
 import { launch } from './browser/launch';
 import { serveFolder } from './static-server';

@@ -1,4 +1,4 @@
-// Writes frames as docs/reference/web-messages.md says, for tests and for the mock: the other half of decodeFrame.
+// Writes frames as specified in docs/reference/web-messages.md, for tests and for the mock: the inverse of decodeFrame.
 
 import type { FrameHeader, Pose } from 'haptolith-protocol';
 

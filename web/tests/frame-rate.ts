@@ -1,14 +1,15 @@
-// npm run frames -- ADDRESS [SECONDS [QUERY]]: how long a page takes to its first frame without a graphics card, how many frames
-// a second it draws then, and what each costs the browser in processor time, which says more on a busy machine. The address is that of a running program;
+// npm run frames -- ADDRESS [SECONDS [QUERY]]: measures a page without a graphics card: time to the first frame, frames
+// per second after that, and processor time per frame, which is more reliable on a busy machine. The address is that of
+// a running program; a query is drawing=balls, for example.
 // a query is drawing=balls, for example.
 
 import { readdirSync, readFileSync } from 'node:fs';
 import { launch } from './browser/launch';
 
-const SETTLING_S = 15; // the page finds out how many pixels it can draw
+const SETTLING_S = 15; // the page adapts its resolution
 const TICKS_PER_S = 100;
 
-/** Processor time so far of a process and all that it started, in s. */
+/** Returns the elapsed processor time of a process and all its descendants, in s. */
 function processorTime_s(root: number): number {
   const children = new Map<number, number[]>();
   const used_s = new Map<number, number>();
@@ -21,7 +22,7 @@ function processorTime_s(root: number): number {
       const parent = Number(fields[1]);
       children.set(parent, [...(children.get(parent) ?? []), Number(name)]);
     } catch {
-      // it has ended since
+      // it has exited
     }
   }
   const sum = (id: number): number =>

@@ -1,5 +1,5 @@
-// A stand-in for the bed of the program: round grains that push each other apart and lie where they come to rest. It has
-// no physics worth the name; it is there so that the page has something to show and something to feel.
+// A mock of the program's bed: round particles that push each other apart and settle. Its physics is not realistic; it
+// only provides visible particles and forces for the page.
 
 import type { Pose, Tool, Vec3 } from 'haptolith-protocol';
 import { shapeOf } from '../src/tool_shapes';
@@ -48,7 +48,7 @@ export class MockBed {
     return count;
   }
 
-  /** Moves everything on by `dt_s`; the tool is where it is. */
+  /** Advances all particles by `dt_s`; the tool is fixed. */
   step(dt_s: number, tool: Tool, pose: Pose): void {
     const before = this.position_m.slice();
     for (let i = 0; i < this.count; ++i) this.position_m[3 * i + 2]! -= 0.02 * this.radius_m;
@@ -60,7 +60,7 @@ export class MockBed {
       const dy = this.position_m[3 * i + 1]! - before[3 * i + 1]!;
       const dz = this.position_m[3 * i + 2]! - before[3 * i + 2]!;
       const moved = Math.hypot(dx, dy, dz);
-      // What hardly moves is held by friction.
+      // Friction holds particles that move very little.
       if (moved < 0.04 * this.radius_m) {
         for (const axis of [0, 1, 2]) this.position_m[3 * i + axis] = before[3 * i + axis]!;
         this.speed_m_s[i] = 0;
@@ -166,7 +166,7 @@ function halfSize(tool: Tool): Vec3 {
   const shape = shapeOf(tool);
   const [x, y, z] = shape.half_m(tool);
   if (shape.jaws) return [tool.opening_mm / 2000 + 2 * x, y, z];
-  // Of round ones a box that is about as large.
+  // Round tools count as a box of about their size.
   const across = { box: 1, cylinder: 0.8, sphere: 0.58, none: 1 }[shape.solid];
   return [across * x, across * y, shape.solid === 'sphere' ? across * z : z];
 }

@@ -1,5 +1,5 @@
-// Stands in for `haptolith run` while the page is developed, and in browser tests when no program is named: serves
-// web/dist and speaks docs/reference/web-protocol.md.
+// A mock of `haptolith run` for the development of the page, and for browser tests without a program: serves web/dist
+// and implements docs/reference/web-protocol.md.
 
 import {
   type Command,
@@ -62,7 +62,7 @@ const SOILS: Hello['soils'] = [
 
 export interface MockOptions {
   port?: number;
-  /** width of the box, in m, and layers of grains of 7 mm */
+  /** width of the box, in m, and layers of particles of 7 mm diameter */
   width_m?: number;
   layers?: number;
   read_only?: boolean;
@@ -70,15 +70,15 @@ export interface MockOptions {
   person_feels?: boolean;
   /** one tick in ten is late; `others`: because other programs take the processor */
   late?: 'soil' | 'others';
-  /** as in a status: far away, follows the tool */
+  /** as in a status: a remote robot that follows the tool */
   robot?: Robot;
-  /** what must be in the address of the WebSocket */
+  /** token that the address of the WebSocket must contain */
   token?: string;
-  /** a tool that somebody drew */
+  /** a tool from a mesh file */
   mesh?: MeshText;
-  /** as a message has each, and where it lies */
+  /** each as in a message, and its pose */
   stones?: { text: InferInput<typeof Stone>; pose: Pose }[];
-  /** none: no study is running */
+  /** absent: no study is running */
   study?: MockStudy;
 }
 
@@ -445,7 +445,7 @@ export class MockServer {
     for (const { socket } of this.clients) socket.send(text);
   }
 
-  /** A mesh and stones go as they came. */
+  /** A mesh and stones are sent unchanged. */
   private textOf(message: object): string {
     const { mesh, options } = this;
     const { stones } = options;
@@ -470,7 +470,7 @@ export class MockServer {
     this.time_s += dt_s;
     if (this.holder === null && this.scene.hand.manoeuvre !== 'still') this.playManoeuvre();
     else if (this.holder === null) this.wished = this.tool;
-    // The tool follows the wish and yields to the force.
+    // The tool follows its target and yields to the force.
     const yields_m = 0.0012;
     this.tool = {
       position_m: this.tool.position_m.map((value, axis) => {

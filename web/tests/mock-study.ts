@@ -1,4 +1,4 @@
-// A study for the stand-in: two blocks of comparisons, run as the program would, with times short enough to look at.
+// A mock of a study: two blocks of comparisons, run as in the program, with times short enough for tests.
 
 import type {
   Answer,
@@ -34,7 +34,7 @@ interface Block {
   instructions: string;
   reference: [string, number];
   levels: [string, number][];
-  /** of the curve that the answers of the simulated participant follow, in powers of ten */
+  /** slope of the psychometric curve of the simulated participant, in powers of ten */
   slope: number;
 }
 
@@ -119,14 +119,14 @@ interface Trial {
   number: number;
 }
 
-/** One thing that the participant's page shows. */
+/** One screen of the participant's page. */
 interface Screen {
   message: Partial<ParticipantMessage> & { phase: Phase };
   block: number;
   trial?: Trial;
-  /** it goes on by itself then */
+  /** time after which it continues automatically */
   auto_s?: number;
-  /** the button comes then */
+  /** time after which the button appears */
   button_after_s?: number;
 }
 
@@ -137,7 +137,7 @@ export class MockStudy {
   private readonly roles = new Map<number, Role>();
   private readonly answers: Answer[] = [];
   private readonly notes: Note[] = [];
-  /** forms that were filled in */
+  /** completed forms */
   readonly filled: Record<string, string>[] = [];
   private screens: Screen[];
   private at = 0;
@@ -161,11 +161,11 @@ export class MockStudy {
     this.screens = this.allScreens();
   }
 
-  // ---- what the server asks
+  // ---- requests of the server
 
   obey(client: number, command: StudyCommand): string | null {
     if (command.act === 'join') {
-      // The program knows it by the address; here who joins first says so, once.
+      // The program identifies it by the address; here a client chooses its role on joining, once.
       const role = this.roles.get(client) ?? command.as;
       if (role !== command.as) return `as = ${command.as} is not valid: must be ${role}: the address is the ${role}'s`;
       this.roles.set(client, role);
@@ -187,7 +187,7 @@ export class MockStudy {
     return 'a study is running';
   }
 
-  /** What each client is to be told now. */
+  /** Returns the current messages for each client. */
   messages(force_n: number): [number, StudyMessage][] {
     this.peak_n = Math.max(this.peak_n, force_n);
     const { auto_s } = this.screen;
@@ -200,7 +200,7 @@ export class MockStudy {
 
   // ---- for tests and pictures
 
-  /** Goes to the next screen of a phase, with every question on the way answered as the simulated participant would. */
+  /** Skips to the next screen of a phase; the simulated participant responds to all questions on the way. */
   skipTo(phase: Phase, times = 1): void {
     for (let i = 0; i < times; ++i) {
       this.goOnAnswering();
@@ -326,7 +326,7 @@ export class MockStudy {
     this.notes.push({ at: new Date().toISOString(), kind, text });
   }
 
-  // ---- the course of things
+  // ---- course of the study
 
   private get screen(): Screen {
     return this.screens[this.at]!;
@@ -527,7 +527,7 @@ function shareOfMore({ reference, slope }: Block, x: number): number {
   return 1 / (1 + Math.exp(-slope * Math.log10(x / (1.03 * reference[1]))));
 }
 
-/** Each level three times in a fixed order that looks like none, after a trial to practise with; one catch trial. */
+/** Returns each level three times in a fixed, irregular order, after a practice trial; one catch trial. */
 function trialsOf(block: number): Trial[] {
   const { levels } = BLOCKS[block]!;
   const main = Array.from({ length: levels.length * REPEATS }, (_, i) => levels[(i * 7 + 3 * block) % levels.length]!);

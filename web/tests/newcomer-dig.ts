@@ -1,18 +1,18 @@
-// npm run newcomer -- ADDRESS [right|left|diagonal]: what somebody digs who takes the tool with the mouse and drags it down
-// and across for ten seconds. Prints how deep the furrow is. The address is that of a running program.
+// npm run newcomer -- ADDRESS [right|left|diagonal]: simulates a newcomer who takes the tool with the mouse and drags
+// it down and across for ten seconds. Prints the depth of the furrow. The address is that of a running program.
 
 import { decodeFrame, decodeMessage, dequantise, radiiOf, type Scene, SUBPROTOCOL } from 'haptolith-protocol';
 import WebSocket from 'ws';
 import { launch } from './browser/launch';
 
 const CELL_M = 0.0025;
-// Corners of a box are not level from the beginning.
+// Corners of a box are not level initially.
 const MARGIN_M = 0.015;
-/** A furrow is at least so large. */
+/** Minimum area of a furrow. */
 const AREA_M2 = 4e-4;
 const DRAG_S = 10;
 
-/** Follows the particles of a program. */
+/** Tracks the particles of a program. */
 class Watcher {
   scene: Scene | null = null;
   whole = false;
@@ -30,7 +30,7 @@ class Watcher {
     this.socket.close();
   }
 
-  /** Height of the soil on a grid, row by row: the upper side of its particles. */
+  /** Returns the height of the soil on a grid, row by row: the upper side of its particles. */
   heights_m(): Float32Array {
     const { box } = this.scene!;
     const radii_m = radiiOf(this.scene!);
@@ -97,7 +97,7 @@ try {
   await page.mouse.down();
   ({ tool, bed, pose, surface_m } = await seen());
   const px_per_m = (bed.y - tool.y) / (pose.position_m[2] - surface_m);
-  const below = bed.y + 0.03 * px_per_m; // where a hand that meets soil goes on pushing
+  const below = bed.y + 0.03 * px_per_m; // a hand that feels soil continues to push to here
   const aside = 0.05 * px_per_m * (way === 'left' ? -1 : 1);
   const begun_ms = Date.now();
   for (let share = 0; share < 1;) {

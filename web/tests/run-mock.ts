@@ -1,5 +1,5 @@
-// npm run mock [PORT [WIDTH_M [LAYERS]]]: the stand-in for the program, for work on the page; with a mesh among the
-// tools, and with a study, whose pages are /?study=participant and /?study=experimenter.
+// npm run mock [PORT [WIDTH_M [LAYERS]]]: the mock of the program, for work on the page. It includes a mesh among the
+// tools, and a study, whose pages are /?study=participant and /?study=experimenter.
 
 import { MockServer } from './mock-server';
 import { MockStudy } from './mock-study';

@@ -1,4 +1,4 @@
-// A mesh as somebody might draw it, and meshes as the program sends them: the other half of ToolMesh.
+// A typical mesh file, and meshes as the program sends them: the inverse of ToolMesh.
 
 import type { MeshText, Vec3 } from 'haptolith-protocol';
 
@@ -12,7 +12,7 @@ export function encodeMesh(name: string, points_m: Vec3[], triangles: Vec3[]): M
   };
 }
 
-/** The corners of a rectangle about the middle, counter-clockwise seen from above. */
+/** Returns the corners of a rectangle about the centre, counter-clockwise seen from above. */
 const corners = (x: number, y: number, z: number): Vec3[] => [[-x, -y, z], [x, -y, z], [x, y, z], [-x, y, z]]; // prettier-ignore
 
 const SIDES = [0, 1, 2, 3].map((i): [number, number] => [i, (i + 1) % 4]);
@@ -25,7 +25,7 @@ const QUADS: [number, number, number, number][] = [
   [12, 13, 14, 15],
 ];
 
-/** A tray of 60 by 40 by 20 mm, open above, with walls of 3 mm; its origin is the middle of its bottom. */
+/** A tray of 60 by 40 by 20 mm, open above, with walls of 3 mm; its origin is the centre of its bottom. */
 export const SCOOP = encodeMesh(
   'scoop.stl',
   [

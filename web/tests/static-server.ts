@@ -1,4 +1,4 @@
-// Serves a folder as any file host does, and nothing else.
+// Serves a folder as any file host does, without other functions.
 
 import { createReadStream, existsSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -15,12 +15,12 @@ const TYPES: Record<string, string> = {
 
 export interface Served {
   readonly address: string;
-  /** bytes of each file that was asked for, by its path */
+  /** bytes sent of each requested file, by its path */
   readonly sent: Map<string, number>;
   close(): Promise<void>;
 }
 
-/** @param besides  files that are not in it, by their paths; null: there is none */
+/** @param besides  additional files, by their paths; null: the file is missing */
 export function serveFolder(folder: string, besides: Record<string, Buffer | null> = {}): Promise<Served> {
   const sent = new Map<string, number>();
   const server = createServer((request, response) => {

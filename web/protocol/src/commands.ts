@@ -1,4 +1,4 @@
-// What a client asks for.
+// Commands of a client.
 
 import type { Tool } from './messages.js';
 import type { StudyCommand } from './study.js';
@@ -6,7 +6,7 @@ import type { StudyCommand } from './study.js';
 export const COLOUR_MODES = ['plain', 'force', 'speed', 'depth', 'sleep'] as const;
 export type ColourMode = (typeof COLOUR_MODES)[number];
 
-/** How a file that was uploaded is to be understood as a tool. */
+/** Interpretation of an uploaded file as a tool. */
 export interface ToolFile {
   upload: number;
   name: string;
@@ -25,7 +25,7 @@ export type Command =
   | { do: 'colour'; by: ColourMode }
   | StudyCommand;
 
-/** What a person at a device feels. */
+/** Changes that a person at a device feels. */
 export type FeltChange = (
   { do: 'reset' | 'level' | 'coarser' | 'undo' } | ({ do: 'scene' } & SceneChange) | ({ do: 'tool_file' } & ToolFile)
 ) & { confirmed?: true };
@@ -43,7 +43,7 @@ export interface SceneChange {
   sliders?: Record<string, number>;
 }
 
-/** Text of a command; with `id` the program replies to it. */
+/** Encodes a command; with `id`, the program replies to it. */
 export function encodeCommand(command: Command, id?: number): string {
   return JSON.stringify(id === undefined ? command : { id, ...command });
 }

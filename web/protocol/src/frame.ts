@@ -1,5 +1,5 @@
-// A binary message is a frame: 128 bytes, then runs, then one record of 8 bytes for each particle, then the poses of
-// stones, if there are any. Nothing of a frame is copied here; the arrays look into the message that came.
+// A binary message is a frame: 128 bytes, then runs, then a record of 8 bytes per particle, then the poses of stones,
+// if any. Nothing is copied here; the arrays are views of the received message.
 
 import type { Pose, Vec3 } from './pose.js';
 import { ProtocolError } from './protocol_error.js';
@@ -22,14 +22,15 @@ export interface FrameHeader {
   time_s: number;
   paused: boolean;
   held: boolean;
-  /** all particles are in this frame */
+  /** whether the frame contains all particles */
   whole: boolean;
-  /** the records' contact forces are valid */
+  /** whether the records' contact forces are valid */
   forcesValid: boolean;
   tool: Pose;
-  /** what the device is sent, turned into the scene's axes, as large as at the device; in a film: of the soil on the tool, scene frame */
+  /** commanded device force in the scene's axes, unscaled, N; in an animation file the soil force on the tool, scene
+   * frame */
   force_n: Vec3;
-  /** likewise, about the handle's origin; in a film about the tool's */
+  /** torque of the same wrench about the handle's origin, N m; in an animation file about the tool's origin */
   torque_nm: Vec3;
   wished: Pose;
   longestTick_us: number;
@@ -37,14 +38,14 @@ export interface FrameHeader {
   awake: number;
   particles: number;
   number: number;
-  /** between the tool's jaws; 0 with another tool */
+  /** gap between the tool's jaws; 0 for another tool */
   opening_m: number;
 }
 
 export interface Frame extends FrameHeader {
-  /** first particle and count of each run, one after the other */
+  /** first particle and count of each run, in sequence */
   runs: Uint32Array;
-  /** four u16 a particle: x, y, z, and speed + 256 force; see `speedOf` and `contactForceOf` for the two bytes */
+  /** four u16 per particle: x, y, z, and speed + 256 force; `speedOf` and `contactForceOf` decode the two bytes */
   records: Uint16Array;
   /** pose of each stone, seven numbers: x, y, z in m, rotation w, x, y, z */
   stones: Float32Array;
@@ -68,7 +69,7 @@ function readPose(view: DataView, at: number): Pose {
 
 const allFinite = (...numbers: number[]): boolean => numbers.every(Number.isFinite);
 
-/** Decodes a frame; throws ProtocolError on one that is damaged, before anything of it is used. */
+/** Decodes a frame. @throws ProtocolError if it is damaged, before any of it is used. */
 export function decodeFrame(buffer: ArrayBuffer): Frame {
   if (buffer.byteLength < HEADER_BYTES) throw new ProtocolError(`a frame of ${buffer.byteLength} bytes has no header`);
   const view = new DataView(buffer);
@@ -108,8 +109,8 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     particles,
     number: view.getUint32(120, true),
     opening_m: view.getFloat32(124, true),
-    // Header and runs are multiples of 8 bytes, so the views are aligned. They read in the machine's byte order, which
-    // is little-endian wherever browsers run.
+    // Header and runs are multiples of 8 bytes, so the views are aligned. They use the machine's byte order, which is
+    // little-endian wherever browsers run.
     runs: new Uint32Array(buffer, HEADER_BYTES, run_count * 2),
     records: new Uint16Array(buffer, HEADER_BYTES + run_count * RUN_BYTES, record_count * 4),
     stones: stone_count > 0 ? new Float32Array(buffer, stones_at + 4, stone_count * 7) : new Float32Array(),
@@ -134,17 +135,17 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
   return frame;
 }
 
-/** Position along one axis in m. */
+/** Returns the position along one axis in m. */
 export function dequantise(value: number, low_m: number, high_m: number): number {
   return low_m + (value / 65535) * (high_m - low_m);
 }
 
-/** Speed in m/s of a record's speed byte; 0 when asleep. */
+/** Returns the speed in m/s of a record's speed byte; 0 when asleep. */
 export function speedOf(byte: number): number {
   return byte === 0 ? 0 : 10 ** (-4 + (4 * (byte - 1)) / 254);
 }
 
-/** Contact force in N of a record's force byte. */
+/** Returns the contact force in N of a record's force byte. */
 export function contactForceOf(byte: number): number {
   return byte === 0 ? 0 : 10 ** (-5 + (6 * (byte - 1)) / 254);
 }

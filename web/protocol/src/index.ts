@@ -1,4 +1,4 @@
-// The protocol between haptolith and its page, for programs of your own: docs/reference/web-protocol.md, version 1.
+// The protocol between haptolith and its page, for other client programs: docs/reference/web-protocol.md, version 1.
 
 export * from './commands.js';
 export * from './frame.js';

@@ -1,7 +1,7 @@
-// What the program tells: docs/reference/web-messages.md, version 1.
+// Messages of the program: docs/reference/web-messages.md, version 1.
 //
-// Text is JSON. What the program says is described by the schemas below, which check each message and give the types;
-// keys that they do not name are left out, so that later programs may add some.
+// Text is JSON. The schemas below check each message and define its types. Unnamed keys are dropped, so that later
+// programs may add keys.
 
 import * as v from 'valibot';
 import { Vec3 } from './pose.js';
@@ -19,9 +19,9 @@ const Hello = v.object({
   protocol: v.literal(PROTOCOL_VERSION),
   version: v.string(),
   client: v.number(),
-  /** pages may look on only */
+  /** pages may only watch */
   read_only: v.boolean(),
-  /** a tool may be uploaded; an older program takes none, and does not say */
+  /** a tool may be uploaded; absent from older programs, which accept none */
   takes_uploads: v.optional(v.boolean(), false),
   presets: v.array(v.object({ name: v.string(), friction_coefficient: v.number() })),
   soils: v.array(
@@ -61,13 +61,13 @@ const Tool = v.pipe(
     size_mm: Vec3,
     diameter_mm: v.number(),
     thickness_mm: v.number(),
-    /** of a cylinder; an older program has none, and does not say */
+    /** length of a cylinder; absent from older programs, which have none */
     length_mm: v.optional(v.number(), 0),
-    /** between jaws that are wide open */
+    /** gap between fully open jaws */
     opening_mm: v.number(),
-    /** of each jaw; an older program has flat ones, and does not say */
+    /** bend of each jaw; absent from older programs, whose jaws are flat */
     jaw_bend_deg: v.optional(v.number(), 0),
-    /** whatever the shape is now; null: nobody has drawn one */
+    /** independent of the current shape; null: no mesh has been loaded */
     mesh: v.nullish(ToolMesh, null),
   }),
   v.forward(
@@ -77,7 +77,7 @@ const Tool = v.pipe(
 );
 export type Tool = v.InferOutput<typeof Tool>;
 
-/** Whether two tools are the same in every number; a mesh, which has too many of them, is the same only as itself. */
+/** Whether two tools have equal numbers; meshes are too large to compare and are equal only if identical. */
 export function isSameTool({ mesh: a, ...one }: Tool, { mesh: b, ...other }: Tool): boolean {
   return a === b && JSON.stringify(one) === JSON.stringify(other);
 }
@@ -90,11 +90,12 @@ const Scene = v.object({
   scene: v.number(),
   title: v.string(),
   particles: v.number(),
-  /** of the coarsest grains */
+  /** radius of the coarsest particles */
   radius_m: v.number(),
-  /** Whether `coarser` has coarser soil for it; programs before it do not send it. */
+  /** Whether `coarser` has a coarser soil for this scene; absent from older programs. */
   can_coarsen: v.optional(v.boolean(), false),
-  /** how many of which radius, in the order of a frame's particles; an older program has one size, and does not say */
+  /** number and radius of each size, in the order of a frame's particles; absent from older programs, which have one
+   * size */
   grains: v.optional(v.array(v.object({ count: v.number(), radius_m: v.number() }))),
   size_spread: v.number(),
   box: v.object({
@@ -105,7 +106,7 @@ const Scene = v.object({
     periodic_y: v.boolean(),
   }),
   quantised: Range3,
-  /** all null: a participant of a study is not told */
+  /** all null for a participant of a study (blinding) */
   soil: v.object({
     preset: v.nullable(v.string()),
     name: v.nullable(v.string()),
@@ -118,19 +119,19 @@ const Scene = v.object({
   body: v.nullable(v.string()),
   gravity_m_s2: Vec3,
   tool: Tool,
-  /** left out: there are none */
+  /** absent: no stones */
   stones: v.optional(v.array(Stone)),
   hand: v.object({ manoeuvre: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),
   workspace: Range3,
 });
 export type Scene = v.InferOutput<typeof Scene>;
 
-/** How many grains there are of which radius, in the order of a frame's particles. */
+/** Returns the number and radius of each particle size, in the order of a frame's particles. */
 export function grainsOf(scene: Scene): { count: number; radius_m: number }[] {
   return scene.grains ?? [{ count: scene.particles, radius_m: scene.radius_m }];
 }
 
-/** Radius of each particle, in m. */
+/** Returns the radius of each particle, in m. */
 export function radiiOf(scene: Scene): Float32Array {
   const radii = new Float32Array(scene.particles).fill(scene.radius_m);
   let first = 0;
@@ -138,10 +139,10 @@ export function radiiOf(scene: Scene): Float32Array {
   return radii;
 }
 
-/** the lower end of 90 %, the middle, the upper end */
+/** 90 % interval: lower end, median, upper end */
 const Interval = v.pipe(v.array(v.number()), v.length(3));
 
-/** What a robot sees of its site: heights over its first surface, row by row along x; null: not known. */
+/** Site map of a robot: heights over its first surface, row by row along x; null: unknown. */
 const Site = v.object({
   corner_m: v.pipe(v.array(v.number()), v.length(2)),
   cell_m: v.number(),
@@ -153,22 +154,22 @@ export type Site = v.InferOutput<typeof Site>;
 
 const Robot = v.object({
   state: v.string(),
-  /** why it stopped; null: it has not */
+  /** reason for its stop; null: not stopped */
   reason: v.nullable(v.string()),
   heard: v.boolean(),
-  /** ticks since the command that it was last heard to have come to */
+  /** ticks since the newest command that the robot has confirmed */
   behind: v.number(),
   round_trip_s: v.number(),
-  /** of its tool then */
+  /** pose of its tool at that time */
   pose: v.pipe(v.array(v.number()), v.length(7)),
-  /** at the newest commands of which both are known, and what the robot met there */
+  /** soil forces of this bed and of the robot at the newest commands with both known */
   felt_n: Vec3,
   met_n: Vec3,
-  /** what the soil here has learned to be like from what the robot met; null: nothing yet */
+  /** soil parameters estimated from the robot's forces; null: none yet */
   learned: v.nullish(
     v.object({ friction_angle_deg: Interval, cohesion_pa: Interval, tool_friction_angle_deg: Interval }),
   ),
-  /** null: it has shown nothing; an older program does not say */
+  /** null: no map received; absent from older programs */
   site: v.nullish(Site),
 });
 export type Robot = v.InferOutput<typeof Robot>;
@@ -178,11 +179,12 @@ const Status = v.object({
   time_s: v.number(),
   ticks: v.number(),
   misses: v.number(),
-  /** of `misses`: the tick's own work took too long, as with soil too fine for the machine; an older program does not say */
+  /** number of `misses` because the tick's own work took too long, for example with too fine soil; absent from older
+   * programs */
   misses_too_long: v.optional(v.number()),
-  /** of `misses`: the machine woke the loop's thread late */
+  /** number of `misses` because the machine woke the loop's thread late */
   misses_woken_late: v.optional(v.number()),
-  /** of `misses`: the processor was taken away during the tick */
+  /** number of `misses` because the thread was preempted during the tick */
   misses_preempted: v.optional(v.number()),
   success_rate: v.number(),
   rate_hz: v.number(),
@@ -194,9 +196,9 @@ const Status = v.object({
   held_by: v.nullable(v.number()),
   clients: v.number(),
   device: v.string(),
-  /** A person's hand is at the device: what changes the scene has to be confirmed. */
+  /** Whether a person's hand is at the device: changes of the scene then need a confirmation. */
   person_feels: v.boolean(),
-  /** Why the hand at the device feels nothing just now. */
+  /** Reason why the device currently renders no force. */
   let_go: v.nullable(v.string()),
   real_time: v.object({ scheduler: v.nullable(v.string()), memory_locked: v.boolean() }),
   simd: v.string(),
@@ -205,19 +207,19 @@ const Status = v.object({
   problem: v.nullable(v.string()),
   can_undo: v.boolean(),
   undo: v.nullable(v.string()),
-  /** an undo would bring back what the last one took back; an older program does not say */
+  /** an undo would restore the change that the last undo reverted; absent from older programs */
   undo_redoes: v.optional(v.boolean(), false),
   recording: v.nullable(v.string()),
-  /** the last file that is finished, and where it is; an older program does not say */
+  /** the last finished file, and its folder; absent from older programs */
   recorded: v.nullish(v.object({ file: v.string(), folder: v.string() })),
-  /** far away, follows the tool; an older program knows of none, and does not say */
+  /** a remote robot that follows the tool; absent from older programs */
   robot: v.nullish(Robot),
 });
 export type Status = v.InferOutput<typeof Status>;
 
 const Reply = v.object({
   type: v.literal('reply'),
-  /** null: that of the command was none */
+  /** null: the command had no valid id */
   id: v.nullable(v.number()),
   ok: v.boolean(),
   error: v.optional(v.string()),
@@ -235,10 +237,8 @@ const MESSAGES = new Map<string, v.GenericSchema<unknown, Message>>([
 ]);
 const Head = v.object({ type: v.string(), protocol: v.optional(v.unknown()) });
 
-/**
- * Reads a JSON message; a type that this page does not know is null, so that later programs may add some.
- * @throws ProtocolError: says which key is wrong.
- */
+/** Reads a JSON message; returns null for an unknown type, so that later programs may add types.
+ * @throws ProtocolError: names the invalid key. */
 export function decodeMessage(text: string): Message | null {
   let value: unknown;
   try {

@@ -1,4 +1,4 @@
-// Places in the scene's frame.
+// Positions and poses in the scene's frame.
 
 import * as v from 'valibot';
 

@@ -1,5 +1,5 @@
-// What a study adds to the protocol: docs/reference/web-protocol.md, "Studies". What may be left out of a message, or be null, is
-// filled in.
+// Additions of a study to the protocol: docs/reference/web-protocol.md, "Studies". Keys of a message that may be absent
+// or null get default values.
 
 import * as v from 'valibot';
 
@@ -25,11 +25,11 @@ export type Phase = v.InferOutput<typeof Phase>;
 
 export type StudyCommand = { do: 'study' } & (
   | { act: 'join'; as: Role }
-  // a participant's
+  // acts of a participant
   | { act: 'go' | 'quit' }
   | { act: 'fill'; values: Record<string, string> }
   | { act: 'answer'; choice: 0 | 1 }
-  // an experimenter's
+  // acts of an experimenter
   | { act: 'pause' | 'resume' | 'end' }
   | { act: 'repeat'; which: 'now' | 'last'; reason: string }
   | { act: 'note'; text: string }
@@ -59,7 +59,7 @@ const Progress = v.object({
   block: v.number(),
   blocks: v.number(),
   trial: number,
-  /** null: nobody knows beforehand */
+  /** null: not known beforehand */
   trials: numberOrNull,
 });
 export type Progress = v.InferOutput<typeof Progress>;
@@ -73,19 +73,19 @@ const ParticipantMessage = v.object({
   /** paragraphs with blank lines between them */
   text,
   fields: v.nullish(v.array(Field), () => []),
-  /** what the button says that goes on; null: there is none */
+  /** label of the button that continues; null: no button */
   button: textOrNull,
   interval: number,
   intervals: number,
   label: text,
-  /** how much of a robot's work is seen to be done: "23 of 40 mm"; null: there is none */
+  /** visible progress of a robot's work: "23 of 40 mm"; null: not shown */
   work: textOrNull,
-  /** null: nothing runs out */
+  /** null: no time limit */
   remaining_s: numberOrNull,
   choices: v.nullish(v.array(v.string()), () => []),
-  /** whether the scene may be seen */
+  /** whether the scene is visible */
   visual: flag,
-  /** how much later than what is felt it is to be seen */
+  /** delay of the view relative to the rendered force */
   visual_delay_s: number,
   can_dig: flag,
   feedback: v.nullish(v.picklist(['right', 'wrong']), null),
@@ -107,7 +107,7 @@ const TrialShown = v.object({
   test: v.string(),
   value: v.number(),
   test_first: v.boolean(),
-  /** the one that is felt now: 1 or 2; 0: none */
+  /** the current interval: 1 or 2; 0: none */
   interval: number,
 });
 export type TrialShown = v.InferOutput<typeof TrialShown>;
@@ -118,19 +118,19 @@ const Answer = v.object({
   kind: TrialKind,
   test: v.string(),
   value: v.number(),
-  /** the test was said to have more; null: no answer was given */
+  /** whether the response was "test has more"; null: no response */
   positive: flagOrNull,
   correct: flagOrNull,
-  /** of work for a robot, which answers nothing; null: it is none */
+  /** result of work for a robot, which has no response; null: another kind of trial */
   work: v.nullish(v.object({ done: v.boolean(), time_s: numberOrNull, force_error: numberOrNull }), null),
   reaction_s: numberOrNull,
-  /** begun: it is under way */
+  /** begun: in progress */
   state: v.picklist(['begun', 'answered', 'repeated', 'lost']),
   reason: text,
 });
 export type Answer = v.InferOutput<typeof Answer>;
 
-/** `k` answers that the test had more, of `n` */
+/** `k` of `n` responses were "test has more" */
 const Level = v.object({ x: v.number(), k: v.number(), n: v.number() });
 export type Level = v.InferOutput<typeof Level>;
 
@@ -140,7 +140,7 @@ const BlockResult = v.object({
   log_axis: flag,
   reference: v.number(),
   levels: v.nullish(v.array(Level), () => []),
-  /** x and the fitted share of "more" */
+  /** x and the fitted proportion of "more" */
   curve: v.nullish(v.array(v.tuple([v.number(), v.number()])), null),
   threshold: numberOrNull,
   weber_fraction: numberOrNull,
@@ -156,7 +156,7 @@ const ExperimenterMessage = v.object({
   study: v.string(),
   file: text,
   participant: text,
-  /** the participant's; null: the study has none, or it is not decided yet */
+  /** the participant's group; null: the study has none, or it is not decided yet */
   group: textOrNull,
   phase: Phase,
   paused: flag,
@@ -168,7 +168,7 @@ const ExperimenterMessage = v.object({
   answers: v.nullish(v.array(Answer), () => []),
   blocks: v.nullish(v.array(BlockResult), () => []),
   notes: v.nullish(v.array(Note), () => []),
-  /** in the last message: how far the participant came, and how to resume; null: it goes on */
+  /** in the last message: the participant's progress, and how to resume; null: the study continues */
   ended: textOrNull,
   problem: textOrNull,
 });

@@ -1,26 +1,26 @@
-// A tool that somebody drew, as it comes in a message.
+// Mesh of a tool from a file, as in a message.
 
 import * as v from 'valibot';
 import { readTriangles, TrianglesText, type TriangleMesh } from './triangle_mesh.js';
 
-/** Everything is in the tool's frame. */
+/** Mesh in the tool's frame. */
 export interface ToolMesh extends TriangleMesh {
-  /** of the file */
+  /** name of the file */
   name: string;
-  /** what was done to it, a sentence each */
+  /** changes made to the mesh, one sentence each */
   report: string[];
 }
 
 const MeshText = v.object({
   name: v.string(),
-  /** an older program does not say */
+  /** absent from older programs */
   report: v.optional(v.array(v.string()), []),
   ...TrianglesText.entries,
 });
 export type MeshText = v.InferOutput<typeof MeshText>;
 
-// Every change of a scene brings its mesh again. One that has not changed stays the same object, so that nobody has to
-// look at all of its points to know that.
+// Every change of a scene sends its mesh again. An unchanged mesh keeps its object, so that it need not be compared
+// point by point.
 let latest: { text: MeshText; mesh: ToolMesh } | null = null;
 
 function isLatest({ name, points_base64, triangles_base64 }: MeshText): boolean {

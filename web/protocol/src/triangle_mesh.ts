@@ -1,19 +1,19 @@
-// Triangles as they come in a message: of a tool that somebody drew, and of stones.
+// Triangles as in a message: of a tool from a file, and of stones.
 
 import * as v from 'valibot';
 
-/** Closed. */
+/** A closed mesh. */
 export interface TriangleMesh {
   /** x, y, z of each point */
   points_m: Float32Array<ArrayBuffer>;
-  /** three points each, counter-clockwise seen from outside */
+  /** three point indices each, counter-clockwise seen from outside */
   triangles: Uint32Array<ArrayBuffer>;
 }
 
 export const TrianglesText = v.object({ points_base64: v.string(), triangles_base64: v.string() });
 export type TrianglesText = v.InferOutput<typeof TrianglesText>;
 
-/** Bytes of one or more triples of four bytes each; null: it is something else. */
+/** Decodes one or more triples of four-byte values; null: invalid. */
 function triples(base64: string): ArrayBuffer | null {
   let text: string;
   try {
@@ -27,7 +27,7 @@ function triples(base64: string): ArrayBuffer | null {
   return bytes.buffer;
 }
 
-/** Null, and an issue: they are wrong. */
+/** Reads triangles; reports an issue and returns null if they are invalid. */
 export function readTriangles<Text extends TrianglesText>({
   dataset: { value: text },
   addIssue,
@@ -40,7 +40,7 @@ export function readTriangles<Text extends TrianglesText>({
   if (!points) return refuse('points_base64', 'base64 of 12 bytes a point');
   const triangles = triples(text.triangles_base64);
   if (!triangles) return refuse('triangles_base64', 'base64 of 12 bytes a triangle');
-  // They are read in the machine's byte order, as frames are.
+  // The arrays use the machine's byte order, as frames do.
   const mesh = { points_m: new Float32Array(points), triangles: new Uint32Array(triangles) };
   if (!mesh.points_m.every(Number.isFinite)) return refuse('points_base64', 'finite');
   const count = mesh.points_m.length / 3;

@@ -1,4 +1,4 @@
-// What an address says of a scene and a view, so that somebody else sees the same: `?scene=moon&set=soil.radius_mm=4`.
+// Scene and view in an address, so that a link shows the same again: `?scene=moon&set=soil.radius_mm=4`.
 
 import type { Settings } from '../settings';
 import type { EyePlace } from '../view/camera';
@@ -7,9 +7,9 @@ export const FIRST_SCENE = 'moon';
 
 export interface Shown {
   scene: string;
-  /** what is otherwise in it: "table.key=value", a line each */
+  /** changes to the scene: one "table.key=value" per line */
   changes: string;
-  /** where the eye is; null: at a named view */
+  /** position of the eye; null: a named view */
   eye: EyePlace | null;
 }
 
@@ -27,7 +27,7 @@ export function readShown(search: string): Shown {
   };
 }
 
-/** The address of this page that shows the same to somebody else. */
+/** Returns an address of this page that shows the same scene and view. */
 export function addressOf(page: string, shown: Shown, looks: Pick<Settings, 'colour' | 'drawing'>): string {
   const address = new URL(page);
   address.search = '';

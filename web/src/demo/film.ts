@@ -1,4 +1,4 @@
-// A film: what `haptolith export --format film` made of a recording, the messages of the protocol one after the other
+// Animation files (films): `haptolith export --format film` writes the protocol messages of a recording in sequence
 // (docs/reference/web-messages.md).
 
 import { decodeFrame, HEADER_BYTES, RECORD_BYTES, RUN_BYTES } from 'haptolith-protocol';
@@ -7,7 +7,7 @@ const MAGIC = 'haptolith film 1';
 const TEXT = 1;
 const FRAME = 2;
 const FLAG_WHOLE = 4;
-const HEAD_BYTES = 5; // of a message: length and kind
+const HEAD_BYTES = 5; // header of a message: length and kind
 
 export interface Film {
   /** hello and scene */
@@ -25,7 +25,7 @@ export function readFilm(bytes: ArrayBuffer): Film {
   let at = MAGIC.length;
   while (at < bytes.byteLength) {
     const size = at + HEAD_BYTES <= bytes.byteLength ? view.getUint32(at, true) : Infinity;
-    if (at + HEAD_BYTES + size > bytes.byteLength) break; // one that was cut off has what comes before
+    if (at + HEAD_BYTES + size > bytes.byteLength) break; // a truncated file keeps the complete messages
     const kind = view.getUint8(at + 4);
     const message = bytes.slice(at + HEAD_BYTES, at + HEAD_BYTES + size);
     if (kind === TEXT) film.texts.push(text_of.decode(message));
@@ -36,7 +36,7 @@ export function readFilm(bytes: ArrayBuffer): Film {
   return film;
 }
 
-/** Puts pictures together that each tell only what has changed. */
+/** Assembles complete frames from frames that contain only changes. */
 export class FilmPictures {
   private readonly records: Uint16Array;
   private next = 0;
@@ -45,7 +45,7 @@ export class FilmPictures {
     this.records = new Uint16Array(4 * decodeFrame(film.frames[0]!.bytes).particles);
   }
 
-  /** Picture number `index` with all particles in it. */
+  /** Returns frame number `index` with all its particles. */
   whole(index: number): ArrayBuffer {
     if (index < this.next - 1) this.next = 0;
     for (; this.next <= index; ++this.next) this.take(this.film.frames[this.next]!.bytes);

@@ -1,4 +1,4 @@
-// Below the picture of a film: plays, stops, and goes anywhere.
+// Controls below an animation: play, pause and seek.
 
 import { h, setText } from '../panels/html';
 import type { FilmProgram } from './film_program';

@@ -1,4 +1,4 @@
-// A film in place of a program: it plays by the clock, and may be looked at anywhere.
+// An animation in place of a program: plays in real time, and supports seeking.
 
 import type { Frame, Scene, Status } from 'haptolith-protocol';
 import { decodeFrame, decodeMessage } from 'haptolith-protocol';
@@ -15,7 +15,7 @@ export class FilmProgram implements Program {
   readonly start_s: number;
   readonly end_s: number;
   playing = true;
-  /** called when time has gone on */
+  /** called when time has advanced */
   onTime: (time_s: number) => void = () => {};
   private socket: (Socket & { readyState: number }) | null = null;
   private pictures: FilmPictures;
@@ -42,7 +42,7 @@ export class FilmProgram implements Program {
       onopen: null,
       onmessage: null,
       onclose: null,
-      send: () => {}, // nobody hears
+      send: () => {}, // commands are ignored
       close: () => clearInterval(timer),
     };
     this.socket = socket;
@@ -60,11 +60,11 @@ export class FilmProgram implements Program {
     return Promise.reject(new Error('A film takes no files.'));
   }
 
-  /** Goes there, and stays or plays on as before. */
+  /** Jumps to a time, and stays paused or continues to play. */
   seek(time_s: number): void {
     const back = time_s < this.now_s;
     this.now_s = Math.min(this.end_s, Math.max(this.start_s, time_s));
-    if (back) this.post(this.film.texts[0]!); // plots begin anew
+    if (back) this.post(this.film.texts[0]!); // plots restart
     this.show(true);
   }
 
@@ -106,7 +106,7 @@ export class FilmProgram implements Program {
     this.socket?.onmessage?.(new MessageEvent('message', { data }));
   }
 
-  /** What is known of a run that is over. */
+  /** Returns the status of a finished run, as far as it is known. */
   private status(): Status {
     const frame: Frame = decodeFrame(this.film.frames[Math.max(0, this.shown)]!.bytes);
     const scene = this.film.texts.map(decodeMessage).find((message): message is Scene => message?.type === 'scene');

@@ -1,5 +1,5 @@
-// The page with the soil in it: nothing is installed, and nothing leaves this browser. What it shows is in its
-// address: a scene, or with `?play=` a film.
+// The page with the soil inside: nothing is installed, and nothing leaves this browser. The address selects a scene, or
+// an animation with `?play=`.
 
 import '../style.css';
 import './demo.css';
@@ -34,8 +34,8 @@ const film = new URLSearchParams(location.search).get('play');
 if (film === null) openScene();
 else openFilm(film).catch((error: unknown) => fail(error instanceof Error ? error.message : String(error)));
 
-// A film that is dropped on the page is played, and not taken for a drawing of a tool. The page begins anew for it, and finds
-// it where browsers keep what pages want to find again.
+// An animation file that is dropped on the page is played, and not taken for a mesh file. The page is reloaded for it,
+// and finds it in the browser's storage.
 addEventListener('dragover', (event) => event.preventDefault());
 addEventListener(
   'drop',
@@ -99,7 +99,7 @@ function showScenes(scenes: HTMLSelectElement, list: DemoScene[]): void {
   );
 }
 
-/** @param address  of a film: beside the page, or anywhere that lets this page read it */
+/** @param address  address of an animation: next to the page, or on a server that allows this page to read it */
 async function openFilm(address: string): Promise<void> {
   setText(cover_text, 'Bringing the film…');
   const kept = address === DROPPED ? await caches.match(DROPPED) : undefined;

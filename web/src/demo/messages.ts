@@ -1,5 +1,5 @@
-// What the page and the worker that runs the soil tell each other, beside the messages of the protocol: these are texts and
-// byte arrays, as a WebSocket would bring them.
+// Messages between the page and the worker that runs the soil, in addition to those of the protocol. The latter are
+// texts and byte arrays, as from a WebSocket.
 
 export interface DemoScene {
   name: string;
@@ -10,14 +10,14 @@ export type ToWorker =
   | { do: 'open'; scene: string; changes: string }
   /** a message of the protocol */
   | { do: 'hear'; text: string }
-  /** the page has taken a message: without, the worker sends no more pictures */
+  /** the page has accepted a message; otherwise the worker sends no more frames */
   | { do: 'took' }
   | { do: 'upload'; bytes: ArrayBuffer }
   | { do: 'changes' };
 
 export type FromWorker =
   | { is: 'opened'; scenes: DemoScene[] }
-  /** soil that nobody has settled before comes to rest, for so long */
+  /** simulated time for which soil that has not been settled before has been settling */
   | { is: 'settling'; time_s: number }
   | { is: 'failed'; why: string }
   | { is: 'uploaded'; number: number }

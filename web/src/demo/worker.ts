@@ -1,5 +1,5 @@
-// The worker that runs the soil: the program's own loop, session and view (apps/demo), compiled to WebAssembly. It goes on by
-// the clock, and leaves the page's thread alone.
+// The worker that runs the soil: the program's loop, session and view (apps/demo), compiled to WebAssembly. It runs in
+// real time without using the page's thread.
 
 import type { DemoScene, FromWorker, ToWorker } from './messages';
 
@@ -14,7 +14,7 @@ interface DemoModule {
   _demoTakeFile(at: number, size: number): number;
 }
 
-// What the compiler's script leaves in the worker.
+// Interface of the compiler's script in the worker.
 declare const haptolithDemo: (options: {
   locateFile(name: string): string;
   toPage(bytes: Uint8Array, binary: number): void;
@@ -22,7 +22,7 @@ declare const haptolithDemo: (options: {
 }) => Promise<DemoModule>;
 declare function importScripts(address: string): void;
 
-const BETWEEN_TURNS_MS = 4; // which browsers make of anything shorter, too
+const BETWEEN_TURNS_MS = 4; // browsers raise shorter timeouts to this
 
 const scope = self as unknown as {
   postMessage(message: FromWorker | string | ArrayBuffer, transfer?: Transferable[]): void;
@@ -44,7 +44,7 @@ const module = (async (): Promise<DemoModule> => {
   });
 })();
 
-/** Soil that has settled before comes from where the page comes from; soil that nobody put there settles here. */
+/** Loads settled soil from the page's server, if it is there; otherwise the soil settles here. */
 async function fetchTile(demo: DemoModule, scene: string, changes: string): Promise<void> {
   const tile = demo.ccall('demoTile', 'string', ['string', 'string'], [scene, changes]);
   if (tile === '') return;
@@ -52,7 +52,7 @@ async function fetchTile(demo: DemoModule, scene: string, changes: string): Prom
     const answer = await fetch(beside(`tiles/${tile}`));
     if (answer.ok) demo.FS.writeFile(`/tiles/${tile}`, new Uint8Array(await answer.arrayBuffer()));
   } catch {
-    // it settles here
+    // the soil settles here
   }
 }
 

@@ -1,4 +1,4 @@
-// The soil in a worker of this page, in place of a program at the other end of a WebSocket.
+// The soil in a worker of this page, in place of a remote program with a WebSocket.
 
 import type { Program, Socket } from '../connection';
 import type { DemoScene, FromWorker, ToWorker } from './messages';
@@ -6,14 +6,14 @@ import type { DemoScene, FromWorker, ToWorker } from './messages';
 interface Listener {
   opened(scenes: DemoScene[]): void;
   settling(time_s: number): void;
-  /** nothing runs, and nothing will */
+  /** the worker does not run, and will not */
   failed(why: string): void;
 }
 
 const LONGEST_TIMER_MS = 2 ** 31 - 1;
 
 export class WorkerProgram implements Program {
-  /** a worker says when it fails, and is silent while soil settles */
+  /** a worker reports its failure, and is silent while soil settles */
   readonly longest_silence_ms = LONGEST_TIMER_MS;
   readonly recordingAddress = null;
   private worker: Worker | null = null;
@@ -64,7 +64,7 @@ export class WorkerProgram implements Program {
     });
   }
 
-  /** What makes the scene that is shown of the one that was opened: a line each. */
+  /** Returns the changes from the opened scene to the current one, one per line. */
   changes(): Promise<string> {
     return new Promise((resolve) => {
       this.asked.push(resolve);

@@ -1,5 +1,5 @@
-// A gamepad holds the tool while a stick is off its middle: left stick level, right stick up and down and yaw, triggers
-// tilt the nose. It rumbles with the force.
+// A gamepad holds the tool while a stick is off centre: left stick horizontal motion, right stick height and yaw,
+// triggers pitch. It vibrates with the force.
 
 import type { OrbitCamera } from '../view/camera';
 import type { Hand } from './hand';
@@ -42,7 +42,7 @@ export class GamepadHand {
     this.idle_since_ms = now_ms;
     if (!this.hand.isHeldBy('gamepad') && !this.hand.grab('gamepad')) return;
     const step_m = MOVE_M_S * seconds * this.scale();
-    // A stick pushed away reads negative.
+    // A stick pushed forward reads negative.
     const way = this.orbit.right().multiplyScalar(x).addScaledVector(this.orbit.ahead(), -y);
     this.hand.move([way.x * step_m, way.y * step_m, -up * step_m]);
     this.hand.turn([0, 0, 1], -yaw * TURN_RAD_S * seconds, 'scene');
@@ -54,7 +54,7 @@ export class GamepadHand {
     const strength = Math.min(1, this.force_n() / FULL_RUMBLE_N);
     if (strength < 0.02 || now_ms - this.rumbled_ms < RUMBLE_INTERVAL_MS) return;
     this.rumbled_ms = now_ms;
-    // Not every pad has a motor; a refused effect is no fault.
+    // Not every gamepad has a motor; a refused effect is not an error.
     void pad.vibrationActuator
       ?.playEffect('dual-rumble', { duration: 90, strongMagnitude: strength * strength, weakMagnitude: strength })
       .catch(() => undefined);

@@ -1,5 +1,5 @@
-// The hand of this page: what holds the tool here (mouse, keys, gamepad, controller) says where it wishes the tool to
-// be; this sends the wish to the program, at most 60 times a second, and lets go when the last of them has.
+// The hand of this page. The holders of the tool (mouse, keys, gamepad, controller) set its target pose. This class
+// sends it to the program, at most 60 times per second, and releases the tool after the last holder.
 
 import type { Frame, Pose, Quat, Scene, Vec3 } from 'haptolith-protocol';
 import type { Connection } from '../connection';
@@ -8,11 +8,12 @@ import { angleBetween, clampTo, samePose, turned, turnedTowards } from './pose_m
 export type Holder = 'mouse' | 'keys' | 'gamepad' | 'controller' | 'automation' | 'tilt';
 
 const SEND_INTERVAL_MS = 1000 / 60;
-// How far a wish may run ahead of the workspace before it is cut: a mouse that went too far comes back at once.
+// Distance by which a target may leave the workspace before it is clamped: after an overshoot, the mouse returns
+// immediately.
 const SLACK_M = 0.02;
 
 export class Hand {
-  /** how the tool stood when this hand last let go of it; null: it never had it */
+  /** orientation of the tool at this hand's last release; null: never held */
   left: Quat | null = null;
   private readonly holders = new Set<Holder>();
   private free: Pose = { position_m: [0, 0, 0.1], rotation: [1, 0, 0, 0] };
@@ -47,13 +48,13 @@ export class Hand {
     return this.isHeldBy(holder) && this.holders.size === 1;
   }
 
-  /** Where the hand wants the tool, within the workspace. */
+  /** Target pose of the tool, within the workspace. */
   get wished(): Pose {
     const range = this.scene?.workspace;
     return range ? { ...this.free, position_m: clampTo(range, this.free.position_m) } : this.free;
   }
 
-  /** False when there is nothing to hold yet. */
+  /** Takes the tool for a holder. False when there is nothing to hold yet. */
   grab(holder: Holder): boolean {
     if (!this.scene || !this.frame || !this.connection.connected) return false;
     if (!this.held) {
@@ -72,7 +73,7 @@ export class Hand {
     this.onChange();
   }
 
-  /** Forgets the tool without telling the program: it was refused, taken away or the connection is gone. */
+  /** Drops the tool without a message to the program: it was refused, taken away or the connection is lost. */
   drop(): void {
     if (!this.held) return;
     this.holders.clear();
@@ -80,7 +81,7 @@ export class Hand {
     this.onChange();
   }
 
-  /** Lets go because the program says that somebody else has the tool, or nobody: whatever it knew when it said so. */
+  /** Releases the tool because the program reports another holder or none, even if that report is outdated. */
   giveUp(): void {
     if (!this.held) return;
     this.drop();
@@ -101,7 +102,7 @@ export class Hand {
     this.free = { ...this.free, rotation: turned(this.free.rotation, axis, angle_rad, frame) };
   }
 
-  /** Turns towards a rotation, by an angle at most; true when it is reached. */
+  /** Turns towards a rotation, by at most an angle; true when it is reached. */
   turnTo(rotation: Quat, max_rad: number): boolean {
     this.free = { ...this.free, rotation: turnedTowards(this.free.rotation, rotation, max_rad) };
     return angleBetween(this.free.rotation, rotation) < 1e-4;
@@ -111,7 +112,7 @@ export class Hand {
     this.free = structuredClone(pose);
   }
 
-  /** Called for every picture. */
+  /** Sends the target pose. Called for every frame. */
   tick(now_ms: number): void {
     if (!this.held || now_ms - this.sent_ms < SEND_INTERVAL_MS - 1) return;
     const wished = this.wished;
@@ -126,7 +127,7 @@ export class Hand {
     this.left = this.frame?.tool.rotation ?? null;
   }
 
-  /** The first hold asks for a reply: somebody else may have the tool. */
+  /** Takes the tool. The first hold asks for a reply, because another client may have the tool. */
   private begin(): void {
     const wished = this.wished;
     this.sent = wished;

@@ -1,5 +1,6 @@
-// The tool by keys: arrows move it level, as seen; page up and page down raise and lower; Q E turn it, W S tilt its nose,
-// A D roll it. While the mouse holds the tool they add to it. The tool is let go a moment after the last key.
+// The tool by keys: arrows move it horizontally as seen; page up and page down raise and lower it. Q E yaw, W S pitch
+// and A D roll it. While the mouse holds the tool, keys add to its motion. The tool is released shortly after the last
+// key.
 
 import type { Vec3 } from 'haptolith-protocol';
 import type { OrbitCamera } from '../view/camera';
@@ -23,7 +24,7 @@ const MOVES = new Set(['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'PageU
 
 export class KeyHand {
   private readonly pressed = new Set<string>();
-  /** released since the last picture: a short tap still counts for one */
+  /** released since the last frame: a short tap still counts for one frame */
   private readonly released = new Set<string>();
   private fine = false;
   private idle_since_ms = 0;
@@ -38,7 +39,7 @@ export class KeyHand {
     document.addEventListener('visibilitychange', () => this.pressed.clear());
   }
 
-  /** True when the key moves the tool. */
+  /** Handles a pressed key; true when it moves the tool. */
   down(event: KeyboardEvent): boolean {
     this.fine = event.shiftKey;
     if (event.ctrlKey || event.metaKey || event.altKey) return false;

@@ -1,9 +1,10 @@
-// Mouse and fingers. The left button or one finger on the tool drags it; beside the tool it turns the view, as the right
-// and the middle button and two fingers always do.
+// Mouse and fingers. The left button or one finger on the tool drags it; off the tool it turns the view. The right and
+// the middle button and two fingers always turn the view.
 //
-// Which plane the tool is dragged in: looking from the side (also in the three-quarter view) an upright plane that faces
-// the eye, so that down is down into the soil and a level stroke stays level; the wheel moves the tool away and nearer.
-// Looking from above a level plane, and the wheel lowers and raises. Either way the tool stays under the pointer.
+// The drag plane depends on the view. From the side (also in the three-quarter view) it is a vertical plane that faces
+// the eye, so that down means into the soil and a horizontal stroke stays horizontal. The wheel moves the tool away and
+// nearer. From above it is a horizontal plane, and the wheel lowers and raises the tool. Either way the tool stays
+// under the pointer.
 
 import { Plane, Raycaster, Vector2, Vector3 } from 'three';
 import { shapeOf } from '../tool_shapes';
@@ -71,7 +72,7 @@ export class PointerHand {
       this.stage.orbit.pan(finger.x - before.x, finger.y - before.y, this.canvas.clientHeight);
       return this.stage.invalidate();
     }
-    // Of two fingers each turns the view by its half.
+    // Each of two fingers contributes half of the turn.
     const share = TURN_DEG_PER_PX / this.fingers.size;
     this.stage.orbit.orbit(-(finger.x - before.x) * share, (finger.y - before.y) * share);
     const spread = this.spread();
@@ -103,7 +104,7 @@ export class PointerHand {
 
   private wheel(event: WheelEvent): void {
     event.preventDefault();
-    // Lines or pages instead of pixels, depending on browser and mouse.
+    // Browsers may report lines or pages instead of pixels.
     const pixels = event.deltaY * (event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1);
     if (this.dragging === null || event.ctrlKey) {
       this.stage.orbit.zoomBy(Math.exp(-pixels * (event.ctrlKey ? 0.006 : 0.0012)));
@@ -115,7 +116,7 @@ export class PointerHand {
     this.hand.move([way.x * step_m, way.y * step_m, way.z * step_m]);
   }
 
-  /** Steps grow with the box, from 1 for the paper's box of 126 mm. */
+  /** Steps are proportional to the box, with 1 for a width of 126 mm (icra2021). */
   private worldScale(): number {
     return (this.stage.currentScene?.box.width_m ?? 0.126) / 0.126;
   }

@@ -1,4 +1,4 @@
-// Small sums with poses, in the protocol's own order (quaternions w, x, y, z).
+// Small computations with poses, in the protocol's order (quaternions w, x, y, z).
 
 import type { Pose, Quat, Range3, Vec3 } from 'haptolith-protocol';
 import { Quaternion, Vector3 } from 'three';
@@ -22,13 +22,13 @@ export function turned(rotation: Quat, axis: Vec3, angle_rad: number, frame: 'sc
   return fromThree((frame === 'scene' ? turn.multiply(now) : now.multiply(turn)).normalize());
 }
 
-/** Angle of the shortest turn from one rotation to another, in rad. */
+/** Returns the angle of the shortest turn from one rotation to another, in rad. */
 export function angleBetween(a: Quat, b: Quat): number {
   const turn = toThree(a).normalize().conjugate().multiply(toThree(b).normalize());
-  return 2 * Math.atan2(Math.hypot(turn.x, turn.y, turn.z), Math.abs(turn.w)); // exact for small angles, where acos is not
+  return 2 * Math.atan2(Math.hypot(turn.x, turn.y, turn.z), Math.abs(turn.w)); // accurate for small angles, unlike acos
 }
 
-/** The shortest way from one rotation towards another, by an angle at most. */
+/** Turns the shortest way from one rotation towards another, by at most an angle. */
 export function turnedTowards(from: Quat, to: Quat, max_rad: number): Quat {
   return fromThree(toThree(from).normalize().rotateTowards(toThree(to).normalize(), max_rad));
 }

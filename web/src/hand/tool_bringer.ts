@@ -1,5 +1,5 @@
-// "Bring tool here": lifts the tool out of the soil and over the middle of the bed, at the pace of a calm hand, turns it so
-// that it digs, and lets go of it there.
+// "Bring tool here": lifts the tool out of the soil and over the centre of the bed, at the pace of a calm hand, turns
+// it into its digging pose, and releases it there.
 
 import type { Quat, Scene, Vec3 } from 'haptolith-protocol';
 import { shapeOf } from '../tool_shapes';
@@ -9,7 +9,7 @@ import { TILT_DEG_S } from './tilt';
 const SPEED_M_S = 0.15;
 const CLEARANCE_M = 0.02;
 const LONGEST_STEP_S = 0.1;
-// The tool hangs on a spring, and comes after the hand.
+// The tool is coupled by a spring, and follows with a delay.
 const WAIT_S = 1;
 
 export class ToolBringer {
@@ -23,7 +23,7 @@ export class ToolBringer {
     private readonly digging: () => Quat | null,
   ) {}
 
-  /** Where it brings the tool: as high over the soil as the tool is long. */
+  /** Target position: as high over the soil as the tool is long. */
   get target_m(): Vec3 | null {
     const scene = this.scene();
     if (!scene) return null;
@@ -31,14 +31,14 @@ export class ToolBringer {
     return [0, 0, Math.min(scene.workspace.high_m[2], scene.box.surface_m + size_m / 2 + CLEARANCE_M)];
   }
 
-  /** False when there is nothing to hold yet. */
+  /** Starts. False when there is nothing to hold yet. */
   start(): boolean {
     this.before_ms = null;
     this.waited_s = 0;
     return this.hand.grab('automation');
   }
 
-  /** Called for every picture. */
+  /** Moves the tool. Called for every frame. */
   tick(now_ms: number): void {
     const to_m = this.target_m;
     if (!to_m || !this.hand.isHeldBy('automation')) return;

@@ -1,6 +1,6 @@
-// "Enter VR": the box stands on a table in front of the person, enlarged so that one can work in it, and either
-// controller is the shovel while its trigger or grip is pressed. The tool follows the controller's movement from where it
-// is, so that nothing jumps when it is taken. The controller vibrates with the force.
+// "Enter VR": the box is on a table in front of the person, enlarged for comfortable work. A controller is the shovel
+// while its trigger or grip is pressed. The tool follows the controller's movement relative to its start, so that it
+// does not jump. The controller vibrates with the force.
 
 import type { Pose, Scene } from 'haptolith-protocol';
 import {
@@ -21,7 +21,7 @@ import { fromThree, toThree } from './pose_math';
 
 const TABLE_HEIGHT_M = 0.9;
 const TABLE_AWAY_M = 0.55;
-/** width of the box as it stands on the table: three times the paper's 126 mm */
+/** width of the box on the table: three times the 126 mm of icra2021 */
 const BOX_ON_TABLE_M = 0.378;
 const TABLE_WIDTHS = 1.15;
 const PULSE_INTERVAL_MS = 40;
@@ -38,7 +38,7 @@ interface ControllerEvent {
 }
 
 export class VrHand {
-  /** why there is no VR here, or null when there is */
+  /** reason why VR is not available, or null when it is */
   unavailable: string | null = 'looking for a headset';
   active = false;
   private grip: Grip | null = null;
@@ -152,7 +152,7 @@ export class VrHand {
     const scale = BOX_ON_TABLE_M / Math.max(scene.box.width_m, scene.box.length_m);
     const bench = this.stage.bench;
     bench.scale.setScalar(scale);
-    // The scene's z is up, the headset's y is.
+    // The scene's z axis is up; in the headset it is y.
     bench.rotation.set(-Math.PI / 2, 0, 0);
     bench.position.set(0, TABLE_HEIGHT_M, -TABLE_AWAY_M);
   }

@@ -1,5 +1,5 @@
-// The column at the side: world, tool, hand, bed, time, picture. It shows what the program says is so, and asks for
-// what the person wants; a control changes for good only when the program's next `scene` or `status` says so.
+// The column at the side: world, tool, hand, bed, time, picture. It shows the state that the program reports, and sends
+// requests of the user. A control changes permanently only with the program's next `scene` or `status`.
 
 import {
   COLOUR_MODES,
@@ -30,11 +30,11 @@ export interface Actions {
   setView(name: ViewName): void;
   resetView(): void;
   setDigAnywhere(on: boolean): void;
-  /** false: this browser plays nothing */
+  /** false: this browser cannot play sound */
   setSound(on: boolean): boolean;
   bringTool(): void;
   chooseToolFile(): void;
-  /** null: nothing is recorded */
+  /** null: recordings are not supported */
   recordingAddress: ((file: string) => string) | null;
 }
 
@@ -71,7 +71,7 @@ export class Controls {
   private scene: Scene | null = null;
   private status: Status | null = null;
 
-  /** `neutral`: a pause is no news, for pictures, which are taken while time stands still. */
+  /** `neutral`: a pause is not highlighted, for pictures, which are taken while time is paused. */
   constructor(
     private readonly act: Actions,
     private readonly neutral: boolean,
@@ -282,7 +282,7 @@ export class Controls {
     this.element.inert = !connected;
   }
 
-  /** What is so, where a change was asked for and not made. */
+  /** Shows the actual values again after a requested change was not made. */
   showAgain(): void {
     this.sizes_of = null;
     if (this.scene) this.setScene(this.scene);
@@ -313,7 +313,7 @@ export class Controls {
     this.act.ask({ do: 'play', manoeuvre: 'still' });
   }
 
-  /** The next entry of a list, for keys: soil, body, friction, shape, manoeuvre. */
+  /** Selects the next entry of a list, for keys: soil, body, friction, shape, manoeuvre. */
   next(what: 'soil' | 'body' | 'friction' | 'shape' | 'manoeuvre', by: 1 | -1 = 1): void {
     if (!this.hello || !this.scene) return;
     if (what === 'shape') {
@@ -386,7 +386,7 @@ export class Controls {
       const shown = this.slider_inputs.get(slider.key)!;
       shown.spec = slider;
       Object.assign(shown.input, { min: String(slider.low), max: String(slider.high), step: String(slider.step) });
-      // A thumb under the person's finger stays there.
+      // A slider that the user is dragging keeps its position.
       if (this.slider_timers.has(slider.key)) continue;
       shown.input.value = String(slider.value);
       setText(shown.value, sliderText(slider.value, slider));
@@ -448,7 +448,7 @@ function group(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
   return h('fieldset', { class: 'group' }, h('legend', {}, title), ...children);
 }
 
-/** Its title stands beside its first row. */
+/** A group with its title next to its first row. */
 function inlineGroup(title: string, ...children: HTMLElement[]): HTMLFieldSetElement {
   const made = group(title, ...children);
   made.classList.add('inline');
@@ -469,7 +469,7 @@ const COLOUR_EXPLANATIONS: Record<ColourMode, string> = {
   sleep: EXPLAIN.sleep,
 };
 
-/** Chooses a value; one that the list does not have is shown as an entry of its own that cannot be chosen. */
+/** Chooses a value; a value that is not in the list is shown as an extra entry that cannot be chosen. */
 function select(list: HTMLSelectElement, value: string, foreign_label: string): void {
   list.querySelector('option[data-foreign]')?.remove();
   if (![...list.options].some((option) => option.value === value))

@@ -1,7 +1,8 @@
-// What each number and each control means, one sentence each. Shown beside it (tooltip.ts) and read aloud with it.
+// Explanations of each number and each control, one sentence each. Shown next to it (tooltip.ts) and read aloud with
+// it.
 
 export const EXPLAIN = {
-  // the strip
+  // the top strip
   time: 'Simulated time since the program started, in seconds.',
   rate: 'Ticks of the force loop during the last second, and how many are wanted.',
   in_time: 'Ticks of the last ten seconds that were finished within their millisecond.',
@@ -56,7 +57,7 @@ export const EXPLAIN = {
   sound:
     'Noise as loud as the work that the tool does on the soil, and as high as fine grains pass by it; a stone knocks.',
 
-  // how soil is drawn
+  // ways to draw soil
   grains:
     'The soil as it would look: each particle stands for a handful of fine grains, in ground that goes on around the box (P).',
   balls: 'The particles as they are computed, each a ball of its true size, in a box that stands on the ground (P).',
@@ -81,14 +82,14 @@ export const EXPLAIN = {
     'Force that holds two particles together where they touch; no shear test says which cohesion of the soil that makes.',
 } as const;
 
-/** What a slider of a soil means. */
+/** Returns the explanation of a slider of a soil. */
 export function sliderExplanation(key: string, friction: string): string | null {
   if (friction !== 'paper' && key === 'friction_angle_deg') return EXPLAIN.estimated_angle;
   if (friction !== 'paper' && key === 'cohesion_pa') return EXPLAIN.estimated_cohesion;
   return key in EXPLAIN ? EXPLAIN[key as keyof typeof EXPLAIN] : null;
 }
 
-/** The models of friction by the names that the page shows; the protocol's own are older. */
+/** Returns the name that the page shows for a friction model; the protocol uses older names. */
 export function frictionModelName(word: string): string {
   return { paper: 'ICRA 2021 (drag against space)', contact: 'contact' }[word] ?? word;
 }

@@ -1,4 +1,4 @@
-// The overlay that says what this is, what to try first, and what mouse, fingers and keys do.
+// The help overlay: purpose of the page, first exercises, and actions of mouse, fingers and keys.
 
 import type { Shortcut } from '../shortcuts';
 import { h } from './html';
@@ -28,7 +28,7 @@ export class Help {
   readonly element: HTMLDialogElement;
 
   constructor(shortcuts: Shortcut[], about: () => string) {
-    // Where there is no touch screen, and on no phone, its part comes last.
+    // Without a touch screen, and except on phones, the group on touch comes last.
     const groups = Object.entries(GROUPS);
     if (!matchMedia('(any-pointer: coarse), (max-width: 760px)').matches) groups.push(groups.shift()!);
     const sections = groups.map(([group, title]) =>

@@ -1,12 +1,12 @@
 // Values over time for a plot: the last ten seconds of simulated time.
 
 export const SPAN_S = 10;
-// Frames come at most 62 times a second; room for a little more than the span, and for gaps.
+// Frames come at most 62 times a second; capacity for slightly more than the span, and for gaps.
 const CAPACITY = 800;
-// A page or a network that stood still leaves a gap, and no line is drawn over it: films have a frame each 0.1 s.
+// An interruption of the page or the network leaves a gap without a line; animation files have a frame every 0.1 s.
 const GAP_S = 0.12;
 
-/** Seconds before the newest value, and for each column the values; null: nothing came. */
+/** Times relative to the newest value, in s (negative), and the values of each column; null: no value. */
 export type Table = [number[], ...(number | null)[][]];
 
 export class History {
@@ -20,7 +20,7 @@ export class History {
     this.columns = Array.from({ length: columns }, () => new Float32Array(CAPACITY));
   }
 
-  /** A NaN is a gap in its column. */
+  /** Appends values; a NaN is a gap in its column. */
   add(time_s: number, values: readonly number[]): void {
     // Time went back: another scene, or an undo.
     if (time_s < this.last_s) this.count = 0;
@@ -54,7 +54,7 @@ export class History {
   }
 }
 
-/** Which values have a gap on both sides: a line shows nothing of them. */
+/** Returns the indices of values with a gap on both sides, which a line does not show. */
 export function lonely(values: ArrayLike<number | null | undefined>): number[] {
   const found: number[] = [];
   for (let i = 0; i < values.length; ++i)

@@ -20,7 +20,7 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** Sets text only when it differs: the page is laid out anew for every text that changes. */
+/** Sets text only when it differs, because every changed text causes a new layout of the page. */
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
@@ -29,7 +29,7 @@ const MINUS = '\u2212';
 /** as wide as a digit */
 const FIGURE_SPACE = '\u2007';
 
-/** A number of fixed width: digits line up and nothing moves when it changes. */
+/** Formats a number with a fixed width: digits are aligned and nothing moves when it changes. */
 export function fixed(value: number, digits: number, width: number): string {
   const text = Math.abs(value).toFixed(digits);
   const negative = value < 0 && Number(text) !== 0;

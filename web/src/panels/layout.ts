@@ -1,4 +1,4 @@
-// Where everything goes. On a wide page: a strip along the top, controls at the right, plots below, the picture in the
+// Layout of the page. On a wide page: a strip along the top, controls at the right, plots below, the picture in the
 // rest. On a phone plots and controls share a drawer at the bottom, with a tab for each.
 
 import { h, setText } from './html';

@@ -1,4 +1,4 @@
-// What the colours of the grains mean, and how long a stretch of the picture is.
+// Colour scale of the particles, and a length scale of the picture.
 
 import type { ColourMode } from 'haptolith-protocol';
 import { ASLEEP_COLOUR, AWAKE_COLOUR, niceStep, scaleOf, VIRIDIS } from '../view/colour_maps';

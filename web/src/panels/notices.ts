@@ -1,9 +1,9 @@
-// What the program or the page has to say: a banner while something lasts, a toast when something was refused.
+// Notices of the program or the page: a banner for a lasting state, a toast for a refused action.
 
 import { h, setText } from './html';
 
 const TOAST_MS = 6000;
-const READING_MS = 80; // a letter
+const READING_MS = 80; // per character
 const MOST_TOASTS = 3;
 
 export class Notices {

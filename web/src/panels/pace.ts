@@ -1,15 +1,15 @@
-// Whether the loop keeps its time: one word of the last ten seconds, and the numbers it comes from.
+// Timing of the loop: one word for the last ten seconds, and the numbers behind it.
 
 import type { Status } from 'haptolith-protocol';
 
 export const SPAN_S = 10;
-// A loop that is late shows it sooner than one that is in time.
+// A late loop is reported sooner than one that is in time.
 const LATE_AFTER_S = 2;
 const TICKS_PER_S = 1000;
 const IN_TIME = 0.99;
 const FULL_RATE = 0.97;
 
-/** Missed ticks by their cause: the tick took too long, the loop was woken late, the processor was taken away in it. */
+/** Missed ticks by cause: the tick took too long, the loop was woken late, or its thread was preempted. */
 export interface Causes {
   too_long: number;
   woken_late: number;
@@ -17,14 +17,14 @@ export interface Causes {
 }
 
 export interface Pace {
-  /** `measuring`: less than ten seconds are known */
+  /** `measuring`: fewer than ten seconds are known */
   kind: 'measuring' | 'in time' | 'late' | 'paused' | 'slow motion';
   /** late because other programs take the processor, not because of the soil */
   others: boolean;
   /** ticks and missed ticks of the last ten seconds */
   ticks: number;
   misses: number;
-  /** null: the program does not say */
+  /** null: not reported by the program */
   causes: Causes | null;
 }
 
@@ -48,7 +48,7 @@ function sampleOf(status: Status, at_ms: number): Sample {
 export class PaceWatch {
   private samples: Sample[] = [];
 
-  /** What came before says nothing of what runs now: another bed, another program. */
+  /** Drops older samples, which do not apply to another bed or program. */
   clear(): void {
     this.samples = [];
   }
@@ -58,7 +58,7 @@ export class PaceWatch {
     const last = this.samples.at(-1);
     if (status.paused || status.speed !== 1 || (last && sample.ticks < last.ticks)) this.clear();
     this.samples.push(sample);
-    // The last one that is old enough stays: the span begins with it.
+    // The last sample that is old enough is kept: the span begins with it.
     while (this.samples.length > 1 && now_ms - this.samples[1]!.at_ms >= 1000 * SPAN_S) this.samples.shift();
     return this.paceOf(status);
   }
@@ -86,13 +86,13 @@ export class PaceWatch {
   }
 }
 
-/** The one word (or two) of the strip. */
+/** Returns the one word (or two) of the strip. */
 export function paceInBrief({ kind, others }: Pace, can_coarsen: boolean): string {
   if (kind !== 'late') return kind;
   return others ? 'late: other programs' : can_coarsen ? 'late: coarser soil?' : 'late';
 }
 
-/** A sentence on what the word means, and what to do. */
+/** Returns a sentence that explains the word, and a remedy. */
 export function paceInWords({ kind, others }: Pace, can_coarsen: boolean): string {
   switch (kind) {
     case 'measuring':
@@ -112,7 +112,7 @@ export function paceInWords({ kind, others }: Pace, can_coarsen: boolean): strin
   }
 }
 
-/** "12 of 10000: 3 too long, 7 woken late, 2 preempted". */
+/** Formats missed ticks: "12 of 10000: 3 too long, 7 woken late, 2 preempted". */
 export function missesInWords({ ticks, misses, causes }: Pace): string {
   const told = causes
     ? `: ${causes.too_long} too long, ${causes.woken_late} woken late, ${causes.preempted} preempted`

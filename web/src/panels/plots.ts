@@ -1,4 +1,4 @@
-// The last ten seconds: force, torque, and how long ticks took against the millisecond they have.
+// Plots of the last ten seconds: force, torque, and the duration of ticks compared with the available millisecond.
 
 import type { Frame } from 'haptolith-protocol';
 import uPlot from 'uplot';
@@ -25,7 +25,7 @@ export interface PlotSpec {
   /** CSS variable with the colour of its arrow in the picture */
   arrow?: string;
   lines: Line[];
-  /** A value for each line; `late`: a tick has been late since the frame before. */
+  /** Returns a value for each line; `late`: a tick has been late since the frame before. */
   sample: (frame: Frame, late: boolean) => number[];
   range: (low: number, high: number) => [number, number];
   log?: boolean;
@@ -33,7 +33,7 @@ export interface PlotSpec {
   digits?: number;
 }
 
-/** Bounds that move in steps, and never closer than `least` around 0. */
+/** Returns bounds that move in steps, and never closer than `least` around 0. */
 export function steppedRange(least: number): (low: number, high: number) => [number, number] {
   return (low, high) => {
     const step = (value: number): number => {
@@ -97,7 +97,7 @@ const SPECS: PlotSpec[] = [
   },
 ];
 
-/** What a plot shows, for who cannot see it: of each line its value now and its range. */
+/** Describes a plot for screen readers: current value and range of each line. */
 export function inWords(spec: Pick<PlotSpec, 'title' | 'unit' | 'lines'>, [, ...columns]: Table): string {
   const number = (value: number): string => String(Number(value.toPrecision(3)));
   const lines = spec.lines.flatMap((line, i) => {
@@ -155,7 +155,7 @@ export class Plots {
     new ResizeObserver(() => this.fit()).observe(this.element);
   }
 
-  /** Draws the plots anew in the colours of the page. */
+  /** Redraws the plots in the colours of the page. */
   restyle(): void {
     for (const plot of this.plots) plot.destroy();
     const style = getComputedStyle(document.documentElement);
@@ -259,8 +259,8 @@ export class Plots {
   }
 }
 
-/** Makes a plot whose canvas is drawn by the processor: where there is no graphics card, lines cost a browser that pretends
- * to have one a hundred times as much. uPlot has no option for it. */
+/** Makes a plot whose canvas is drawn by the processor. Without a graphics card, a browser that emulates one takes
+ * 100 times as long for lines. uPlot has no option for it. */
 function drawnByProcessor(make: () => uPlot): uPlot {
   const usual = HTMLCanvasElement.prototype.getContext;
   HTMLCanvasElement.prototype.getContext = function (this: HTMLCanvasElement, kind: string) {

@@ -1,4 +1,4 @@
-// The numbers over the picture: what the hand feels, and where the tool is.
+// The numbers over the picture: rendered force and torque, and position of the tool.
 
 import { type Frame, grainsOf, type Robot, type Scene, type Vec3 } from 'haptolith-protocol';
 import { shapeOf } from '../tool_shapes';
@@ -6,7 +6,7 @@ import { EXPLAIN } from './explanations';
 import { fixed, h, setText } from './html';
 import { explain } from './tooltip';
 
-// Digits that change sixty times a second cannot be read.
+// Digits that change 60 times per second cannot be read.
 const INTERVAL_MS = 100;
 
 /** A number with its unit, and its three components. */
@@ -45,13 +45,13 @@ class Readout {
   }
 }
 
-/** How the tool stands to the level surface: never a negative depth. */
+/** Returns the tool's height over or depth below the level surface: never a negative number. */
 export function placeOf(tool_z_m: number, surface_m: number): { name: string; mm: number } {
   const above_mm = 1000 * (tool_z_m - surface_m);
   return above_mm >= 0 ? { name: 'above soil', mm: above_mm } : { name: 'depth', mm: -above_mm };
 }
 
-/** How many grains there are of each size, coarsest first: "80 of 7 mm, 120 of 3.5 mm". */
+/** Formats the number of particles of each size, coarsest first: "80 of 7 mm, 120 of 3.5 mm". */
 export function sizesInWords(scene: Scene): string {
   const counts = new Map<number, number>();
   for (const { count, radius_m } of grainsOf(scene)) {
@@ -62,7 +62,7 @@ export function sizesInWords(scene: Scene): string {
   return coarsest_first.map(([radius_mm, count]) => `${count} of ${radius_mm} mm`).join(', ');
 }
 
-/** What the picture shows, for who cannot see it. */
+/** Describes the picture for screen readers. */
 export function pictureInWords(scene: Scene, frame: Frame): string {
   const { name, mm } = placeOf(frame.tool.position_m[2], scene.box.surface_m);
   const tool = shapeOf(scene.tool).name;
@@ -77,12 +77,12 @@ export function pictureInWords(scene: Scene, frame: Frame): string {
   );
 }
 
-/** Whether it is further behind than its link explains: it was cut off, or its machine is too slow. */
+/** Whether the robot is further behind than its link explains: it was disconnected, or its machine is too slow. */
 function lags(robot: Robot): boolean {
   return robot.state === 'following' && robot.behind / 1000 > robot.round_trip_s + 1;
 }
 
-/** "robot following, 2.6 s behind". */
+/** Formats the state of a robot: "robot following, 2.6 s behind". */
 export function robotInWords(robot: Robot): string {
   if (!robot.heard) return robot.round_trip_s > 0 ? 'robot silent' : 'no word of the robot yet';
   const why = robot.reason === null ? '' : ` (${robot.reason})`;
@@ -90,7 +90,7 @@ export function robotInWords(robot: Robot): string {
   return `robot ${robot.state}${why}, ${(robot.behind / 1000).toFixed(1)} s behind${more}`;
 }
 
-/** "soil learned: 34° (31 to 37), 150 Pa (90 to 240)". */
+/** Formats the estimated soil: "soil learned: 34° (31 to 37), 150 Pa (90 to 240)". */
 export function learnedInWords(learned: NonNullable<Robot['learned']>): string {
   const between = (interval: number[], unit: string) => {
     const [low, middle, high] = interval.map((number) => number.toFixed(0));
@@ -139,12 +139,12 @@ export class Readouts {
     this.setRobot(null);
   }
 
-  /** Components take room over the picture: they are there when asked for. */
+  /** Shows or hides the components. They need space over the picture, so they are hidden by default. */
   private showComponents(axes: HTMLButtonElement): void {
     axes.setAttribute('aria-pressed', String(this.element.classList.toggle('full')));
   }
 
-  /** What a robot far away does, and what it met; null: there is none. */
+  /** Shows the state of a remote robot, and the soil force on it; null: no robot. */
   setRobot(robot: Robot | null): void {
     for (const cell of [this.robot, ...this.met.cells]) cell.hidden = robot === null;
     const learned = robot?.learned ?? null;
@@ -168,7 +168,7 @@ export class Readouts {
     this.place.show(mm, at_mm, 1, name);
   }
 
-  /** Nothing is known of a program that does not answer. */
+  /** Clears the numbers, which are unknown while the program does not respond. */
   clear(): void {
     for (const readout of [this.force, this.torque, this.place]) readout.clear();
   }

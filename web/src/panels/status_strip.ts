@@ -1,4 +1,4 @@
-// The strip along the top: one word on how the loop runs, and on what. Numbers are one click away.
+// The strip along the top: one word for the loop's timing, and its system. Numbers are one click away.
 
 import type { Scene, Status } from 'haptolith-protocol';
 import { EXPLAIN } from './explanations';
@@ -33,7 +33,7 @@ class Cell {
   }
 }
 
-/** The word, and what opens below it. */
+/** The word for the timing, and the details that open below it. */
 class PaceButton {
   readonly details: HTMLElement;
   readonly button: HTMLButtonElement;
@@ -85,7 +85,7 @@ class PaceButton {
     this.timer = window.setTimeout(() => this.open(), HOVER_DELAY_MS);
   }
 
-  /** The pointer may go on to the numbers. */
+  /** Closes the details, unless the pointer moves into them. */
   private leave(): void {
     clearTimeout(this.timer);
     if (!this.pinned) this.timer = window.setTimeout(() => this.close(), HOVER_DELAY_MS);
@@ -135,7 +135,7 @@ export class StatusStrip {
   private can_coarsen = false;
   private scene = -1;
 
-  /** `for_pictures`: nothing about the machine's timing, because time stands still while a picture is drawn. */
+  /** `for_pictures`: omits the machine's timing, because time is paused while a picture is drawn. */
   constructor(
     private readonly own_client: () => number | null,
     for_pictures: boolean,
@@ -154,7 +154,7 @@ export class StatusStrip {
     );
   }
 
-  /** Nothing is known of a program that does not answer. */
+  /** Clears the numbers, which are unknown while the program does not respond. */
   setConnected(connected: boolean): void {
     if (connected) return;
     for (const cell of [this.success, this.missed, this.missed_all, this.p99, this.rate, this.awake, this.clients])
@@ -164,7 +164,7 @@ export class StatusStrip {
     this.watch.clear();
   }
 
-  /** Simulated time, of the frame that is shown. */
+  /** Shows the simulated time of the displayed frame. */
   setTime(time_s: number): void {
     this.time.set(`${fixed(time_s, 1, 6)} s`);
   }

@@ -23,7 +23,7 @@ export class TiltControl {
   private shown_ms = -Infinity;
   private sliding_until_ms = -Infinity;
 
-  /** @param set  asks for a tilt, in degrees; false: it cannot be had now. */
+  /** @param set  requests a tilt, in degrees; false: currently not possible. */
   constructor(private readonly set: (tilt_deg: number) => boolean) {
     this.buttons = [this.button('−', 'Nose up (S)', -STEP_DEG), this.button('+', 'Nose down (W)', STEP_DEG)];
     this.slider.addEventListener('input', () => this.ask(this.slider.valueAsNumber));
@@ -40,13 +40,13 @@ export class TiltControl {
     explain(this.slider, EXPLAIN.tilt);
   }
 
-  /** Shows a tilt; null: not known. A few times a second: digits that change faster cannot be read. */
+  /** Shows a tilt; null: not known. A few times a second, because digits that change faster cannot be read. */
   show(tilt_deg: number | null, now_ms: number): void {
     if (now_ms - this.shown_ms < INTERVAL_MS) return;
     this.shown_ms = now_ms;
     for (const control of [this.slider, ...this.buttons]) control.disabled = tilt_deg === null;
     if (tilt_deg === null || now_ms < this.sliding_until_ms) return;
-    // A thumb under the person's finger stays there.
+    // A slider that the user is dragging keeps its position.
     this.slider.value = String(tilt_deg);
     setText(this.value, `${Math.round(tilt_deg)}°`.replace('-', '\u2212'));
   }

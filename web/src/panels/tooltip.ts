@@ -1,4 +1,4 @@
-// A sentence beside what it explains: on hover, on focus by keyboard, and on touch. Screen readers read it as the
+// Tooltips of one sentence: on hover, on focus by keyboard, and on touch. Screen readers read the sentence as the
 // element's description. Escape hides it.
 
 import { h, setText } from './html';
@@ -7,7 +7,7 @@ const HOVER_DELAY_MS = 350;
 const AWAY_PX = 6;
 const EDGE_PX = 8;
 
-/** The one sentence that is to be seen. */
+/** The one visible sentence. */
 class Bubble {
   private readonly element = h('div', { class: 'tooltip', role: 'tooltip', hidden: true });
   private readonly sources = h('div', { hidden: true });
@@ -23,7 +23,7 @@ class Bubble {
     addEventListener('resize', () => this.hide());
   }
 
-  /** A text that screen readers find although it is hidden. */
+  /** Adds a text that screen readers find although it is hidden. */
   addSource(text: string): HTMLElement {
     const source = h('span', { id: `explained-${++this.count}` }, text);
     this.sources.append(source);
@@ -35,11 +35,11 @@ class Bubble {
     this.timer = window.setTimeout(() => this.show(source, around), HOVER_DELAY_MS);
   }
 
-  /** Below what it explains, or above where there is no room; within the window. */
+  /** Shows the sentence below its element, or above if there is no room; within the window. */
   show(source: HTMLElement, around: HTMLElement): void {
     clearTimeout(this.timer);
     if (!around.isConnected) return;
-    // In the part of the page that it speaks of: who moves from landmark to landmark finds it there.
+    // Placed in the same part of the page, so that users who navigate by landmarks find it there.
     const part = around.closest('header, main, aside') ?? document.body;
     if (this.element.parentElement !== part) part.append(this.element);
     this.source = source;
@@ -62,7 +62,7 @@ class Bubble {
     this.source = null;
   }
 
-  /** The pointer may go on to the sentence itself. */
+  /** Hides the sentence, unless the pointer moves onto it. */
   leave(to: EventTarget | null): void {
     if (to !== this.element) this.hide();
   }
@@ -70,17 +70,15 @@ class Bubble {
 
 let bubble: Bubble | null = null;
 
-/**
- * Explains `element`, and shows it when the pointer is on `around`, of which the element may be a part. Returns what sets
- * another text.
- */
+/** Explains `element`, and shows the sentence when the pointer is on `around`, which may contain the element.
+ * Returns a function that sets another text. */
 export function explain(element: HTMLElement, text: string, around = element): (text: string) => void {
   const shown = (bubble ??= new Bubble());
   const source = shown.addSource(text);
   element.setAttribute('aria-describedby', source.id);
   around.addEventListener('pointerenter', (event) => event.pointerType === 'mouse' && shown.showSoon(source, around));
   around.addEventListener('pointerleave', (event) => event.pointerType === 'mouse' && shown.leave(event.relatedTarget));
-  // A press is meant for the control; on what is no control it asks for the sentence.
+  // A press operates a control; on other elements it shows the sentence.
   around.addEventListener('pointerdown', () => shown.hide());
   if (!/^(BUTTON|SELECT|INPUT)$/.test(element.tagName))
     element.addEventListener('click', () => shown.show(source, around));

@@ -1,4 +1,4 @@
-// The answers so far, newest first.
+// The responses so far, newest first.
 
 import type { Answer } from 'haptolith-protocol';
 import { fixed, h } from '../panels/html';
@@ -24,7 +24,7 @@ export class AnswersTable {
     );
   }
 
-  /** `blinded`: neither what was shown nor whether it was right. */
+  /** Shows the responses; `blinded`: neither the stimulus nor whether it was right. */
   set(trials: readonly Answer[], blinded: boolean): void {
     const answers = trials.filter(({ state }) => state !== 'begun');
     const shown = JSON.stringify([answers, blinded]);
@@ -39,7 +39,7 @@ export class AnswersTable {
 
 function row(answer: Answer, blinded: boolean): HTMLElement {
   const { state, reason, kind } = answer;
-  // A catch trial is known by what it shows.
+  // A catch trial can be recognised by its stimulus.
   const told_kind = kind === 'main' || (blinded && kind === 'catch') ? '' : kind;
   const remark = state === 'answered' ? told_kind : reason ? `${state}: ${reason}` : state;
   const { work } = answer;
@@ -66,7 +66,7 @@ function row(answer: Answer, blinded: boolean): HTMLElement {
   );
 }
 
-/** "done, force 51 % off". */
+/** Formats the result of work: "done, force 51 % off". */
 function workInWords({ done, force_error }: NonNullable<Answer['work']>): string {
   const off = force_error === null ? '' : `, force ${(100 * force_error).toFixed(0)} % off`;
   return (done ? 'done' : 'not done') + off;

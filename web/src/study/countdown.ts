@@ -1,4 +1,4 @@
-// Seconds that run down between the program's messages.
+// A countdown in seconds between the program's messages.
 
 export class Countdown {
   private left_s: number | null = null;
@@ -7,13 +7,13 @@ export class Countdown {
 
   constructor(private readonly now_ms: () => number = () => performance.now()) {}
 
-  /** Another time begins; null: nothing runs out. */
+  /** Starts another time limit; null: no limit. */
   begin(remaining_s: number | null): void {
     this.longest_s = 0;
     this.set(remaining_s);
   }
 
-  /** What the program says is left of it. */
+  /** Sets the remaining time that the program reports. */
   set(remaining_s: number | null): void {
     this.left_s = remaining_s;
     this.set_ms = this.now_ms();
@@ -24,13 +24,13 @@ export class Countdown {
     return this.left_s === null ? null : Math.max(0, this.left_s - (this.now_ms() - this.set_ms) / 1000);
   }
 
-  /** Share of the whole time that is left, 0 to 1. */
+  /** Fraction of the total time that is left, 0 to 1. */
   get share(): number {
     return this.longest_s > 0 ? (this.remaining_s ?? 0) / this.longest_s : 0;
   }
 }
 
-/** Whole seconds, rounded up: "12 s", "1:05". */
+/** Formats whole seconds, rounded up: "12 s", "1:05". */
 export function clockText(seconds: number): string {
   const whole = Math.ceil(seconds);
   return whole < 60 ? `${whole} s` : `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}`;

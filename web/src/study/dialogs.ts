@@ -1,4 +1,4 @@
-// Small dialogs that ask before something is done.
+// Small dialogs that ask for confirmation.
 
 import { h } from '../panels/html';
 
@@ -7,18 +7,18 @@ interface Question {
   text: string;
   stay: string;
   go_on: string;
-  /** more to fill in, above the buttons */
+  /** additional input, above the buttons */
   input?: HTMLInputElement;
   suggestions?: string[];
-  /** more to choose, below the suggestions */
+  /** additional choice, below the suggestions */
   choice?: HTMLElement;
   /** the second button loses nothing */
   harmless?: boolean;
-  /** the buttons change places: a double click on the question before does not answer this one */
+  /** the buttons are swapped, so that a double click on the question before does not answer this one */
   swapped?: boolean;
 }
 
-/** Asks; what is meant to be done needs the second button, and words where there is an input. */
+/** Asks for confirmation; `act` needs the second button, and a text if there is an input. */
 export function askFirst(question: Question, act: (words: string) => void, otherwise?: () => void): void {
   const { input } = question;
   const go_on = h('button', { type: 'submit', class: question.harmless ? 'primary' : 'danger' }, question.go_on);

@@ -1,4 +1,4 @@
-// The experimenter's page: the scene, how far the study is, what is shown, what was answered, and what can be done.
+// The experimenter's page: the scene, the progress of the study, the stimuli, the responses, and the controls.
 
 import type { ExperimenterMessage, Frame, Phase, Scene, Status, StudyCommand, StudyMessage } from 'haptolith-protocol';
 import { publish } from '../automation';
@@ -259,7 +259,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     if (message.ended !== null) end(message.ended);
   }
 
-  /** The program ends: what was shown stays, and nothing more can be done. */
+  /** Ends the page with the program: the last state is kept, and all controls are disabled. */
   function end(how: string): void {
     for (const button of buttons) button.disabled = true;
     notes.element.inert = true;
@@ -276,7 +276,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     host.replaceChildren(...trialCard(trial, nothing));
   }
 
-  /** What is shown, what was right and how the curves run is for who has asked for it. */
+  /** Shows stimuli, correct responses and curves only after unblinding. */
   function showBlinded(): void {
     const { blinded, study } = now;
     setText(unblind_button, blinded ? 'Unblind…' : 'Blind again');
@@ -304,7 +304,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     );
   }
 
-  /** Only once it is kept in the study. */
+  /** Changes the blinding only after it has been recorded in the study. */
   function setBlinded(blinded: boolean): void {
     const text = blinded ? 'blinded again' : 'unblinded: the experimenter sees stimuli, right answers and curves';
     ask({ do: 'study', act: 'note', text }).then(

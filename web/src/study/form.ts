@@ -1,4 +1,4 @@
-// A form: questions of a study about the person and the task, one below the other.
+// A form: questions of a study about the participant and the task, one below the other.
 
 import type { Field } from 'haptolith-protocol';
 import { h } from '../panels/html';
@@ -7,15 +7,15 @@ const MOST_BUTTONS = 11;
 const MOST_PILLS = 7;
 const SCALE_STEPS = 20;
 const LONGEST_TEXT = 500;
-// The program ends a connection that sends a message of more than 16384 bytes.
+// The program closes a connection that sends a message of more than 16384 bytes.
 const MOST_BYTES = 16_000;
 
-/** One field: what is asked, and what has been answered. */
+/** A field with its question and its response. */
 interface Asked {
   element: HTMLElement;
-  /** null: nothing yet */
+  /** Returns the response; null: none yet. */
   answer(): string | null;
-  /** Why the answer cannot be given; null: it can. */
+  /** Returns the reason why the response is invalid; null: valid. */
   fault(): string | null;
   focus(): void;
 }
@@ -43,13 +43,13 @@ export class Form {
     this.asked[0]?.part.focus();
   }
 
-  /** Answers that were given, by key. */
+  /** Returns the given responses, by key. */
   values(): Record<string, string> {
     const given = this.asked.map(({ field, part }) => [field.key, part.answer()] as const);
     return Object.fromEntries(given.filter((entry): entry is [string, string] => entry[1] !== null));
   }
 
-  /** False when something has to be put right first. */
+  /** Shows invalid responses; false when there are any. */
   private showFaults(): boolean {
     let first: Asked | null = null;
     for (const { field, part, fault } of this.asked) {
@@ -63,7 +63,7 @@ export class Form {
   }
 }
 
-/** Whether a form is more than one message can carry. */
+/** Whether a form is too long for one message. */
 export function isTooLong(values: Record<string, string>): boolean {
   return new TextEncoder().encode(JSON.stringify(values)).length > MOST_BYTES;
 }
@@ -89,14 +89,14 @@ function ask(field: Field, id: string): Asked {
   }
 }
 
-/** The values of a scale that is short enough for a button each. */
+/** Returns the values of a scale that is short enough for a button each. */
 export function wholeSteps({ low, high }: Field): [string, string][] | null {
   const count = high - low + 1;
   if (!Number.isInteger(low) || !Number.isInteger(high) || count < 2 || count > MOST_BUTTONS) return null;
   return Array.from({ length: count }, (_, i) => [String(low + i), String(low + i)]);
 }
 
-/** Distance of the marks of a long scale: 5 on NASA-TLX's, from 0 to 100. */
+/** Returns the distance of the marks of a long scale: 5 on NASA-TLX's, from 0 to 100. */
 export function scaleStep({ low, high }: Field): number {
   return (high - low) / SCALE_STEPS;
 }
@@ -169,7 +169,7 @@ function askList(field: Field, id: string): Asked {
   };
 }
 
-/** A slider that stands nowhere until it is touched: a position that is there already would be an answer proposed. */
+/** A slider without a position until it is touched, because an initial position would suggest a response. */
 function askSlider(field: Field, id: string): Asked {
   const step = scaleStep(field);
   const slider = h('input', {
@@ -186,7 +186,7 @@ function askSlider(field: Field, id: string): Asked {
     if (!slider.classList.contains('unset')) return;
     slider.classList.remove('unset');
     slider.removeAttribute('aria-valuetext');
-    // A touch in the middle changes no value, but it is an answer.
+    // A touch at the centre changes no value, but it is a response.
     slider.dispatchEvent(new Event('input', { bubbles: true }));
   };
   slider.addEventListener('input', touch);
@@ -212,7 +212,7 @@ function askSlider(field: Field, id: string): Asked {
   };
 }
 
-/** A scale between the words for its ends. */
+/** A scale between the labels of its ends. */
 function withEnds({ low_label, high_label }: Field, scale: HTMLElement): HTMLElement {
   if (!low_label && !high_label) return scale;
   const end = (label: string): HTMLElement => h('span', { class: 'end' }, label);

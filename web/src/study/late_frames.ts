@@ -1,8 +1,8 @@
-// Pictures that are seen later than what they show is felt (docs/reference/protocol-keys.md, `visual_delay_s`).
+// Frames displayed with a delay relative to the rendered force (docs/reference/protocol-keys.md, `visual_delay_s`).
 
 import type { Frame } from 'haptolith-protocol';
 
-/** Holds frames back for a while. None is left out and the order stays: a frame tells only what has moved since the last. */
+/** Delays frames. All are shown, and in order, because a frame contains only the changes since the last one. */
 export class LateFrames {
   private delay_ms = 0;
   private readonly waiting: { frame: Frame; came_ms: number }[] = [];
@@ -19,12 +19,12 @@ export class LateFrames {
     this.tick(now_ms);
   }
 
-  /** Another bed lies there: what is late of the one before will never be seen. */
+  /** Drops the waiting frames, because there is another bed. */
   clear(): void {
     this.waiting.length = 0;
   }
 
-  /** Shows what is due; to be called often. */
+  /** Shows the frames that are due; to be called often. */
   tick(now_ms: number): void {
     while (this.waiting.length > 0 && this.waiting[0]!.came_ms + this.delay_ms <= now_ms) {
       this.show(this.waiting.shift()!.frame);

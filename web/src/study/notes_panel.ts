@@ -1,4 +1,4 @@
-// What the experimenter and the program noted, newest first, and a line to write the next one.
+// Notes of the experimenter and the program, newest first, and a line for the next one.
 
 import type { Note } from 'haptolith-protocol';
 import { h } from '../panels/html';
@@ -16,7 +16,7 @@ export class NotesPanel {
   });
   private shown = '';
 
-  /** @param write  resolves when the note is kept; until then it stays in its line. */
+  /** @param write  resolves when the note is stored; until then the text is kept in its line. */
   constructor(write: (text: string) => Promise<void>) {
     const form = h('form', { class: 'note-form' }, this.input, h('button', { type: 'submit' }, 'Add'));
     form.addEventListener('submit', (event) => {
@@ -61,7 +61,7 @@ export class NotesPanel {
   }
 }
 
-/** Hours and minutes here of a time in UTC. */
+/** Formats a time in UTC as local hours and minutes. */
 function timeOfDay(at: string): string {
   const date = new Date(at);
   return Number.isNaN(date.getTime())

@@ -1,5 +1,5 @@
-// What a participant does counts once: not in the first moment of what is shown, when a hand may still mean what was
-// shown before, and not again until something else is shown.
+// An act of a participant counts once: not immediately after a new screen appears, because the hand may still respond
+// to the previous one, and not again until the next screen.
 
 const SETTLE_MS = 200;
 
@@ -9,13 +9,13 @@ export class OneAct {
 
   constructor(private readonly now_ms: () => number = () => performance.now()) {}
 
-  /** Something else is shown. */
+  /** Starts with a new screen. */
   renew(): void {
     this.settle();
     this.done = false;
   }
 
-  /** Something was in front of it: for a moment an act may be meant for that. */
+  /** Ignores acts for a moment, after something covered the screen: they may have been meant for that. */
   settle(): void {
     this.shown_ms = this.now_ms();
   }
@@ -27,7 +27,7 @@ export class OneAct {
     return true;
   }
 
-  /** It did not reach the program: it may be tried again. */
+  /** Allows another attempt, because the act did not reach the program. */
   giveBack(): void {
     this.done = false;
   }

@@ -1,4 +1,4 @@
-// The participant's page: one thing at a time, and nothing that tells what is shown.
+// The participant's page: one thing at a time, without any hint at the stimulus (blinding).
 
 import type { Frame, ParticipantMessage, Phase, Scene, Status, StudyCommand, StudyMessage } from 'haptolith-protocol';
 import { publish } from '../automation';
@@ -112,7 +112,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
   const late = new LateFrames((frame) => stage.setFrame(frame, frame.held));
   const hand = new Hand(
     connection,
-    // Who takes the tool as the interval ends comes too late, and need not be told.
+    // Taking the tool as the interval ends is too late; this error is not shown.
     (error) => now.study?.phase === 'interval' && notices.toast(asSentence(error.message)),
     () => stage.invalidate(),
   );
@@ -196,7 +196,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     page.classList.toggle('can-dig', can_dig);
     if (!can_dig) hand.giveUp();
     pointer.may_dig = can_dig;
-    // What is not to be seen cannot be aimed at.
+    // An invisible tool cannot be aimed at.
     pointer.dig_anywhere = can_dig && !visible;
     stage.shown = visible;
     late.setDelay(visible ? message.visual_delay_s : 0, performance.now());
@@ -253,11 +253,11 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     const press = pressOf(event, study);
     if (!press) return;
     event.preventDefault();
-    // A key that is held down says nothing new.
+    // Repeats of a pressed key are ignored.
     if (!event.repeat) press();
   }
 
-  /** What a key does in this phase, wherever the focus is; null: what it always does. */
+  /** Returns the action of a key in this phase, independent of the focus; null: the default action. */
   function pressOf(event: KeyboardEvent, study: ParticipantMessage): (() => void) | null {
     if (study.phase === 'question') {
       if (event.key === '1' || event.key === 'ArrowLeft') return () => prompts.choose(0);

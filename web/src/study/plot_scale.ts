@@ -1,4 +1,4 @@
-// An axis: from values to pixels, and where its marks are.
+// An axis: conversion from values to pixels, and positions of its marks.
 
 export interface Scale {
   px(value: number): number;
@@ -8,7 +8,7 @@ export interface Scale {
 const STEPS = [1, 2, 2.5, 5, 10];
 const DECADE = [1, 2, 5];
 
-/** Marks at round values from low to high, about `wanted` of them. */
+/** Returns marks at round values from low to high, about `wanted` of them. */
 export function linearTicks(low: number, high: number, wanted: number): number[] {
   if (!(high > low)) return [low];
   const rough = (high - low) / wanted;
@@ -19,7 +19,7 @@ export function linearTicks(low: number, high: number, wanted: number): number[]
   return ticks;
 }
 
-/** Marks at 1, 2 and 5 of each decade; at even steps where that would be too few. */
+/** Returns marks at 1, 2 and 5 of each decade; at even steps where that would be too few. */
 export function logTicks(low: number, high: number): number[] {
   const ticks: number[] = [];
   for (let decade = Math.floor(Math.log10(low)); decade <= Math.log10(high); ++decade)

@@ -1,4 +1,4 @@
-// What the participant's page shows in each phase: one thing at a time, large enough to be read from two metres.
+// The participant's screen in each phase: one thing at a time, large enough to be read from two metres.
 
 import type { ParticipantMessage, Phase } from 'haptolith-protocol';
 import { h, setText } from '../panels/html';
@@ -34,7 +34,7 @@ const TEXTS: Partial<Record<Phase, string>> = {
 
 export class Prompts {
   readonly element = h('main', { class: 'prompt' });
-  /** says to screen readers what is shown; it stays in the page while everything else changes */
+  /** announces the screen to screen readers; it stays in the page while everything else changes */
   readonly announcer = h('p', { class: 'only-read-aloud', 'aria-live': 'polite' });
   private clock: HTMLElement | null = null;
   private bar: HTMLElement | null = null;
@@ -42,7 +42,7 @@ export class Prompts {
   private work: HTMLElement | null = null;
   private held: string | null = null;
   private buttons: HTMLButtonElement[] = [];
-  /** The last form with what has been filled in: it comes back after a pause. */
+  /** The last form with its input, which is restored after a pause. */
   private kept: { asked: string; form: Form; button: HTMLButtonElement } | null = null;
 
   constructor(
@@ -68,12 +68,12 @@ export class Prompts {
     this.tick();
   }
 
-  /** How much of a robot's work is seen to be done. */
+  /** Shows the visible progress of a robot's work. */
   setWork(work: string | null): void {
     if (this.work) setText(this.work, work ?? '');
   }
 
-  /** Why it cannot go on yet; null: it can. */
+  /** Disables the buttons for a reason; null: enables them. */
   hold(why: string | null): void {
     if (why === this.held || this.element.dataset.phase !== 'interval') return;
     this.held = why;
@@ -87,7 +87,7 @@ export class Prompts {
     if (this.held === null && button && document.activeElement === document.body) button.focus({ preventScroll: true });
   }
 
-  /** Once something was done: nothing more can be until something else is shown. */
+  /** Disables the buttons after an act, until the next screen. */
   lock(locked: boolean, choice: 0 | 1 | null = null): void {
     this.buttons.forEach((button, i) => {
       button.disabled = locked || this.held !== null;
@@ -95,12 +95,12 @@ export class Prompts {
     });
   }
 
-  /** An answer by key: as if its button were pressed. */
+  /** Responds by key, as if the button were pressed. */
   choose(choice: 0 | 1): void {
     this.buttons[choice]?.click();
   }
 
-  /** Shows what is left of the time. */
+  /** Shows the remaining time. */
   tick(): void {
     const left_s = this.countdown.remaining_s;
     if (this.clock) {
@@ -213,7 +213,7 @@ export class Prompts {
   }
 }
 
-/** Paragraphs of a text that has blank lines between them. */
+/** Splits a text into its paragraphs at blank lines. */
 export function splitParagraphs(text: string): string[] {
   return text
     .split(/\n\s*\n/)
@@ -227,7 +227,7 @@ function paragraphs(text: string): HTMLElement[] {
 
 const WORDS = { right: 'That was right', wrong: 'That was not right', none: 'Thank you' };
 
-/** A tick or a cross in a ring: told by shape and by colour. */
+/** A tick or a cross in a ring, distinguished by shape and by colour. */
 function mark(feedback: ParticipantMessage['feedback']): HTMLElement {
   const sign = { right: '✓', wrong: '✕', none: '·' }[feedback ?? 'none'];
   return h('div', { class: `mark ${feedback ?? 'none'}`, 'aria-hidden': 'true' }, sign);

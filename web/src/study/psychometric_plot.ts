@@ -1,5 +1,5 @@
-// The psychometric function of a block: shares of "more" as points that grow with the number of answers, the fitted
-// curve, its threshold and the reference.
+// The psychometric function of a block: proportions of "more" as points that grow with the number of responses, the
+// fitted curve, its threshold and the reference.
 
 import type { BlockResult } from 'haptolith-protocol';
 import { makeScale } from './plot_scale';
@@ -13,7 +13,7 @@ export interface Bounds {
   high: number;
 }
 
-/** From the least to the largest of what is drawn, and a little more; a logarithmic axis has only positive values. */
+/** Returns the range of the drawn values with a margin; a logarithmic axis has only positive values. */
 export function boundsOf(block: BlockResult): Bounds {
   const all = [block.reference, ...block.levels.map(({ x }) => x), ...(block.curve ?? []).map(([x]) => x)];
   const values = all.filter((x) => Number.isFinite(x) && (!isLog(block) || x > 0));
@@ -27,12 +27,12 @@ export function boundsOf(block: BlockResult): Bounds {
   return { low: low - pad, high: high + pad };
 }
 
-/** A logarithmic axis shows positive values only: with others it is linear after all. */
+/** Whether the axis is logarithmic: only if all values are positive. */
 export function isLog(block: BlockResult): boolean {
   return block.log_axis && block.reference > 0 && block.levels.every(({ x }) => x > 0);
 }
 
-/** What the curve says at x, by linear interpolation; null outside of it. */
+/** Returns the value of the curve at x, by linear interpolation; null outside of it. */
 export function shareAt(curve: readonly [number, number][], x: number): number | null {
   for (let i = 1; i < curve.length; ++i) {
     const [x0, p0] = curve[i - 1]!;
@@ -42,7 +42,7 @@ export function shareAt(curve: readonly [number, number][], x: number): number |
   return null;
 }
 
-/** Radius of the point of n answers: its area grows with n. */
+/** Returns the radius of the point of n responses: its area grows with n. */
 export function pointRadius(n: number): number {
   return Math.min(13, 3 * Math.sqrt(n));
 }

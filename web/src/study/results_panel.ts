@@ -16,7 +16,7 @@ export class ResultsPanel {
     new ResizeObserver(() => this.draw()).observe(this.element);
   }
 
-  /** `blinded`: nothing; a curve that moves tells how the last answer was. */
+  /** Shows the results; `blinded`: nothing, because a moving curve would reveal the last response. */
   set(blocks: BlockResult[], blinded: boolean): void {
     const shown = JSON.stringify([blocks, blinded]);
     if (shown === this.shown) return;

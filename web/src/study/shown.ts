@@ -1,8 +1,8 @@
-// What the participant's page works out from a message.
+// Values that the participant's page derives from a message.
 
 import type { ParticipantMessage } from 'haptolith-protocol';
 
-/** What is shown before the program has said anything. */
+/** Screen before the first message of the program. */
 export function waiting(text: string): ParticipantMessage {
   return {
     type: 'study',
@@ -29,18 +29,18 @@ export function waiting(text: string): ParticipantMessage {
   };
 }
 
-/** The program's words, "no study is running", as a sentence. */
+/** Formats the program's message, "no study is running", as a sentence. */
 export function asSentence(words: string): string {
   if (words === '') return '';
   return words.charAt(0).toUpperCase() + words.slice(1) + (/[.!?]$/.test(words) ? '' : '.');
 }
 
-/** Equal for messages that show the same, however much time is left and work is done. */
+/** Returns an identical text for messages with the same screen, independent of the remaining time and the work done. */
 export function whatIsShown(message: ParticipantMessage): string {
   return JSON.stringify({ ...message, work: null, remaining_s: null, problem: null });
 }
 
-/** Share of the whole study that is done, 0 to 1; a block whose length nobody knows counts when it is over. */
+/** Returns the completed fraction of the study, 0 to 1; a block of unknown length counts when it is finished. */
 export function shareDone(progress: ParticipantMessage['progress']): number {
   if (!progress || progress.blocks === 0) return 0;
   const in_block = progress.trials && progress.trial > 0 ? (progress.trial - 1) / progress.trials : 0;

@@ -1,13 +1,14 @@
-// Who has not touched the soil has nothing to compare: an interval that a person ends by a button ends only after that.
+// A participant who has not touched the soil cannot compare: an interval that is ended by a button requires a touch
+// first.
 
 import type { ParticipantMessage, Vec3 } from 'haptolith-protocol';
 
-// A single grain that the tool moves is felt as more.
+// Even a single particle that the tool moves causes a larger force.
 const LEAST_FORCE_N = 0.02;
 
 export const TOUCH_FIRST = 'Touch the soil with the tool first.';
 
-/** Whether the button of what is shown waits for a touch. */
+/** Whether the button of the screen waits for a touch. */
 export function mustTouch({ phase, button }: Pick<ParticipantMessage, 'phase' | 'button'>): boolean {
   return phase === 'interval' && button !== null;
 }
@@ -15,12 +16,12 @@ export function mustTouch({ phase, button }: Pick<ParticipantMessage, 'phase' | 
 export class Touch {
   was_felt = false;
 
-  /** Something else is shown. */
+  /** Starts with a new screen. */
   begin(): void {
     this.was_felt = false;
   }
 
-  /** Whether the soil has been touched, with the force of this frame. */
+  /** Whether the soil has been touched, including the force of this frame. */
   felt(force_n: Vec3): boolean {
     this.was_felt ||= Math.hypot(...force_n) >= LEAST_FORCE_N;
     return this.was_felt;

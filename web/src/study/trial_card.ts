@@ -1,4 +1,4 @@
-// What is shown now, or next: block, reference and test, in the order in which they are felt.
+// The current or next trial: block, reference and test, in the order of their intervals.
 
 import type { TrialKind, TrialShown } from 'haptolith-protocol';
 import { h } from '../panels/html';

@@ -1,17 +1,19 @@
-// What the tool carries or throws: particles that lie on nothing, and a few balls in their place, which cast their shadow.
+// Particles without support, which the tool carries or throws, and a few spheres that represent them and cast their
+// shadow.
 
 import { Vector4 } from 'three';
 import { MOST_FLYING } from './height_field';
 
-// Particles nearer than this to each other are in one heap; more than so many are not looked at.
+// Particles nearer than this to each other form a heap; only the first MOST_IN_HEAPS particles are examined.
 const HEAP_RADII = 5;
 const MOST_IN_HEAPS = 400;
 
 export class Aloft {
-  /** centres and radii of balls about them; the first `ball_count` are valid */
+  /** centres and radii of spheres that represent them; the first `ball_count` are valid */
   readonly balls_m = Array.from({ length: MOST_FLYING }, () => new Vector4());
   ball_count = 0;
-  /** towards the outside of the heap in which a particle is aloft, x, y, z; 0 for those on the bed and for single ones */
+  /** outward direction of the heap that contains a particle aloft, x, y, z; 0 for those on the bed and for single
+   * ones */
   readonly outwards: Float32Array;
   /** x, y, z and radius of each, m */
   private readonly places_m: number[] = [];
@@ -31,13 +33,13 @@ export class Aloft {
     this.particles.push(particle);
   }
 
-  /** When all are there. */
+  /** Computes spheres and directions. To be called after the last add(). */
   gather(): void {
     this.makeBalls();
     this.findOutwards();
   }
 
-  /** Something else that flies; it takes the place of the last ball where there are too many. */
+  /** Adds the sphere of another flying object; it replaces the last sphere if there are too many. */
   addBall(x_m: number, y_m: number, z_m: number, radius_m: number): void {
     this.ball_count = Math.min(MOST_FLYING, this.ball_count + 1);
     this.balls_m[this.ball_count - 1]!.set(x_m, y_m, z_m, radius_m);
@@ -63,13 +65,13 @@ export class Aloft {
     this.ball_count = groups;
     for (let g = 0; g < groups; ++g) {
       const n = sums[5 * g + 4]!;
-      // Balls that touch leave a third of the room free.
+      // Touching spheres leave a third of the volume empty.
       const radius_m = Math.cbrt((n > 1 ? 1.5 : 1.2) * sums[5 * g + 3]!);
       balls_m[g]!.set(sums[5 * g]! / n, sums[5 * g + 1]! / n, sums[5 * g + 2]! / n, radius_m);
     }
   }
 
-  /** Away from the neighbours of each: which way the side of a heap on the tool faces. */
+  /** Computes directions away from the neighbours of each particle, as normals of the heap on the tool. */
   private findOutwards(): void {
     const { places_m, particles, outwards } = this;
     const count = Math.min(MOST_IN_HEAPS, particles.length);

@@ -1,6 +1,7 @@
-// What the hand feels, as arrows at the tool: the force straight, the torque around its axis. And the spring that pulls
-// the tool to where the hand wants it. Drawn over everything: an arrow that soil hides says nothing. Arrows are as long as
-// the picture, not the box, asks for: legible in each; and thin beside the tool, which they must not hide.
+// Soil wrench as arrows at the tool: a straight one for the force, one around its axis for the torque. Also the spring
+// that pulls the tool to its target. Drawn over everything, because soil must not hide them. Their length depends on
+// the picture, not on the box, so that they are always legible. They are thin compared with the tool, which they must
+// not hide.
 
 import type { Frame, Scene, Vec3 } from 'haptolith-protocol';
 import {
@@ -24,11 +25,11 @@ export const FORCE_COLOUR = '#ff5a5f';
 export const TORQUE_COLOUR = '#ffb02e';
 const SPRING_COLOUR = '#7fd7e6';
 
-// Below these an arrow is noise.
+// Smaller values are noise.
 const LEAST_FORCE_N = 0.01;
 const LEAST_TORQUE_NM = 0.0005;
 
-// Length of 1 N, as a share of the shorter side of the picture.
+// Length of 1 N, as a fraction of the shorter side of the picture.
 const NEWTON_LENGTH = 0.065;
 const LARGEST_TURN = 1.75 * Math.PI;
 const SPRING_POINTS = 96;
@@ -79,7 +80,7 @@ export class ArrowsView {
     this.showSizes();
   }
 
-  /** How many metres at the bed the shorter side of the picture is. */
+  /** Sets the length at the bed, in m, of the picture's shorter side. */
   setPicture(picture_m: number): void {
     if (Math.abs(picture_m - this.picture_m) < 0.002 * this.picture_m) return;
     this.picture_m = picture_m;
@@ -109,7 +110,7 @@ export class ArrowsView {
     const newtons = vector.length();
     this.force.visible = newtons >= LEAST_FORCE_N;
     if (!this.force.visible) return;
-    // Six newtons are the longest that is drawn; beyond, the number beside the view tells.
+    // The arrow saturates at 6 N; the number next to the view shows larger forces.
     const length_m = Math.min(newtons, 6) * NEWTON_LENGTH * this.picture_m;
     const thick_m = Math.max(Math.min(0.012 * this.picture_m, 0.05 * this.tool_m), 0.0035 * this.picture_m);
     const drawn_m = thick_m * Math.min(1, length_m / (0.1 * this.picture_m));
@@ -125,7 +126,7 @@ export class ArrowsView {
     const newton_metres = vector.length();
     this.torque.visible = newton_metres >= LEAST_TORQUE_NM;
     if (!this.torque.visible) return;
-    // The square root keeps small torques visible: a tenth of the largest turns a third of the way.
+    // The square root keeps small torques visible: a tenth of the maximum turns a third of the full angle.
     const turn = LARGEST_TURN * Math.sqrt(Math.min(1, newton_metres / this.most_nm));
     if (Math.abs(turn - this.ring_turn) > 0.03) {
       this.ring.geometry.dispose();
@@ -134,7 +135,7 @@ export class ArrowsView {
     }
     this.ring_tip.position.set(Math.cos(turn), Math.sin(turn), 0);
     this.ring_tip.rotation.z = turn;
-    // A torque that turns less than its tip is long has a smaller tip.
+    // If the arc is shorter than its tip, the tip is smaller.
     this.ring_tip.scale.setScalar(Math.min(1, turn / 0.7));
     this.torque.quaternion.setFromUnitVectors(Z, vector.normalize());
   }

@@ -1,5 +1,5 @@
-// The bed: all grains in one draw call. A frame's records go to the graphics card as they came, eight bytes a grain;
-// the shader turns them into positions, and only runs that changed are sent again. How large each is, it is told once.
+// The bed: all particles in one draw call. The records of a frame go to the graphics card unchanged, eight bytes per
+// particle, and the shader computes positions. Only changed runs are sent again. The radii are sent once.
 
 import { COLOUR_MODES, type ColourMode, dequantise, type Frame, radiiOf, type Scene } from 'haptolith-protocol';
 import {
@@ -28,17 +28,17 @@ import { SoilSurface } from './soil_surface';
 import { SoilView } from './soil_view';
 import type { StoneView } from './stone_view';
 
-// Beyond these, the sun is asked for once a grain instead of once a pixel, and grains stay smooth.
+// With more particles, the sun is evaluated once per particle instead of per pixel, and particles are smooth.
 const MOST_WITH_PIXEL_SUN = 20_000;
 
-// The height field need not follow every frame when building it takes long.
+// The height field need not follow every frame if building it takes long.
 const FIELD_INTERVAL_MS = { small: 30, large: 80 } as const;
 
 export class BedView {
   readonly mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
   readonly soil: SoilView;
   drawn = 0;
-  /** how far the outermost spheres reach from the middle along x and y, in m; null: not known yet */
+  /** extent of the outermost spheres from the centre along x and y, in m; null: not known yet */
   reach_m: [x: number, y: number] | null = null;
 
   private readonly material: RawShaderMaterial;
@@ -62,7 +62,7 @@ export class BedView {
       glslVersion: GLSL3,
       vertexShader: GRAIN_VERTEX_SHADER,
       fragmentShader: GRAIN_FRAGMENT_SHADER,
-      // A grain's alpha says how much of a pixel it covers; the picture itself stays opaque.
+      // A particle's alpha is its coverage of a pixel; the picture itself is opaque.
       alphaToCoverage: true,
       blending: CustomBlending,
       blendSrc: OneFactor,
@@ -85,11 +85,11 @@ export class BedView {
       },
     });
     this.mesh = new Mesh(this.geometry, this.material);
-    // The box of the geometry says nothing about where the grains are.
+    // The bounding box of the geometry does not contain the particles.
     this.mesh.frustumCulled = false;
   }
 
-  /** Colours that mean depth span from the level surface to the floor. */
+  /** Colours for depth span from the level surface to the floor. */
   get depthRange_m(): number {
     return Math.max(0.005, this.scene?.box.surface_m ?? 0.04);
   }
@@ -126,7 +126,7 @@ export class BedView {
     this.makeField();
   }
 
-  /** The cheaper way to draw, for machines that are slow at this. */
+  /** Selects the normal or the cheaper way to draw, for machines with slow graphics. */
   setDetail(detailed: boolean): void {
     this.soil.setDetail(detailed);
     const few = (this.scene?.particles ?? 0) <= MOST_WITH_PIXEL_SUN;
@@ -137,7 +137,7 @@ export class BedView {
     this.material.needsUpdate = true;
   }
 
-  /** Takes over a frame's records; false when they belong to other particles than the scene's. */
+  /** Applies a frame's records; false when they belong to other particles than the scene's. */
   setFrame(frame: Frame): boolean {
     const scene = this.scene;
     const attribute = this.records;
@@ -171,12 +171,12 @@ export class BedView {
     return true;
   }
 
-  /** Something else than grains has moved that casts a shadow. */
+  /** Marks the height field as outdated, after an object other than particles has moved that casts a shadow. */
   outdateField(): void {
     this.field_stale = true;
   }
 
-  /** Brings the height field up to date, when it is due. True while it is not yet. */
+  /** Updates the height field if it is due. True while an update is pending. */
   refreshField(now_ms: number, stones: StoneView): boolean {
     if (!this.field_stale || !this.field || !this.records || this.drawn === 0) return false;
     const interval_ms = this.records.count <= MOST_WITH_PIXEL_SUN ? FIELD_INTERVAL_MS.small : FIELD_INTERVAL_MS.large;

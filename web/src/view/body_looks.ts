@@ -1,26 +1,26 @@
-// How each body looks: its sky, its sunlight and the colour of its soil. Colours are sRGB, as one would pick them from a
-// photograph; `three.Color` turns them into the linear values that light is computed with.
+// Appearance of each body: its sky, its sunlight and the colour of its soil. Colours are sRGB, as picked from a
+// photograph; `three.Color` converts them to the linear values for lighting.
 
 export interface BodyLook {
-  /** colour of the sky straight up, and at the horizon */
+  /** colour of the sky at the zenith, and at the horizon */
   zenith: string;
   horizon: string;
-  /** how far away (in widths of the box) the ground has faded into the horizon; airless bodies stay sharp */
+  /** distance (in widths of the box) at which the ground fades into the horizon; airless bodies stay sharp */
   haze_widths: number;
   stars: number;
   /** apparent radius of the sun, in degrees, larger than life so that it can be seen */
   sun_radius_deg: number;
   sun: string;
   sun_strength: number;
-  /** light from everywhere else: sky and sunlit ground */
+  /** ambient light: sky and sunlit ground */
   fill: string;
   fill_strength: number;
   soil: string;
-  /** how far soil sends light back as that of an airless body: 0 matt, 1 as the Moon's; and how much brighter it is
-   * where one looks away from the sun (regolith_shader.ts) */
+  /** weight of the scattering of an airless body: 0 matt, 1 as the Moon's; and its increase in brightness when
+   * looking away from the sun (regolith_shader.ts) */
   lunar: number;
   surge: number;
-  /** share of the fill that reaches what lies in shadow */
+  /** fraction of the fill light that reaches shadows */
   shadow_fill: number;
   companion: 'earth' | 'jupiter' | 'charon' | null;
 }
@@ -126,7 +126,7 @@ const LOOKS: Record<string, BodyLook> = {
   },
 };
 
-/** Look of a body; gravity given by its number has no body, and looks like the Moon. */
+/** Returns the look of a body; custom gravity has no body, and looks like the Moon. */
 export function lookOf(body: string | null): BodyLook {
   return (body !== null && LOOKS[body]) || MOON;
 }

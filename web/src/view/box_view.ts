@@ -1,4 +1,5 @@
-// The box around the bed: thin edges, walls that are barely there, and a mark every ten millimetres along the floor.
+// The box around the bed: thin edges, barely visible walls, and regular marks along the floor (every 10 mm for a box of
+// 126 mm).
 
 import type { Scene } from 'haptolith-protocol';
 import {
@@ -16,7 +17,7 @@ import {
 } from 'three';
 import { niceStep } from './colour_maps';
 
-// Soil that is held behind the sides reaches no farther than this.
+// Maximum reach of soil that is held behind the sides.
 const MOST_HELD_RADII = 4;
 
 export class BoxView {
@@ -38,7 +39,7 @@ export class BoxView {
     depthWrite: false,
   });
 
-  /** @param reach_m  of the outermost spheres from the middle: soil that is held behind the sides is in the box */
+  /** @param reach_m  extent of the outermost spheres from the centre; the box includes soil held behind the sides */
   setScene(scene: Scene, reach_m: readonly [x: number, y: number] | null = null): void {
     const wanted = JSON.stringify([scene.box, reach_m]);
     if (wanted === this.built_for) return;
@@ -50,7 +51,7 @@ export class BoxView {
     this.build(scene, reach_m);
   }
 
-  /** Height of the walls as they are drawn, in m: they go on in the simulation, but a picture needs an end. */
+  /** Height of the drawn walls, in m. They are unlimited in the simulation, but a picture needs an end. */
   static wallHeight(scene: Scene): number {
     return scene.box.surface_m + 0.16 * Math.max(scene.box.width_m, scene.box.length_m);
   }
@@ -64,7 +65,7 @@ export class BoxView {
     const length_m = periodic_y ? scene.box.length_m : around(scene.box.length_m, reach_m?.[1]);
     const height_m = BoxView.wallHeight(scene);
     const walls = new BoxGeometry(width_m, length_m, height_m).translate(0, 0, height_m / 2);
-    // Soil that leaves a periodic side comes in at the other: that is no wall, so its edge is dashed.
+    // Soil that leaves a periodic side enters at the opposite one. That is not a wall, so its edge is dashed.
     const periodic = periodic_x || periodic_y;
     const lines = new LineSegments(new EdgesGeometry(walls), periodic ? this.open_edges : this.edges);
     lines.computeLineDistances();

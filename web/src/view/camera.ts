@@ -1,5 +1,5 @@
-// The eye that orbits the bed. Angles about the middle of the bed, and a distance; nothing else, so that a view can be
-// named and found again.
+// The eye that orbits the bed. Its state is only angles about the centre of the bed and a distance, so that a view can
+// be named and restored.
 
 import type { Scene } from 'haptolith-protocol';
 import { PerspectiveCamera, Vector3 } from 'three';
@@ -18,10 +18,10 @@ interface Fit {
 
 type Place = View & Fit & { zoom: number };
 
-/** Where an eye is that a person has moved. */
+/** Position of an eye that the user has moved. */
 export interface EyePlace extends View {
   zoom: number;
-  /** beside the middle of the bed, level */
+  /** horizontal offset from the centre of the bed */
   aside_m: [x: number, y: number];
 }
 
@@ -29,11 +29,11 @@ interface Extent {
   width_m: number;
   length_m: number;
   surface_m: number;
-  /** height of the walls as they are drawn */
+  /** height of the drawn walls */
   wall_m: number;
 }
 
-// Azimuth 0 looks along +y, from the front; it turns against the clock seen from above.
+// Azimuth 0 looks along +y, from the front; it increases counter-clockwise seen from above.
 const VIEWS: Record<ViewName, View> = {
   front: { azimuth_deg: 0, elevation_deg: 9 },
   side: { azimuth_deg: 90, elevation_deg: 9 },
@@ -41,15 +41,15 @@ const VIEWS: Record<ViewName, View> = {
   'three-quarter': { azimuth_deg: 32, elevation_deg: 22.5 },
 };
 
-// Into what is dug in level ground one has to look from above; from much higher there is no horizon.
+// A pit in level ground is visible only from above; from much higher the horizon is not visible.
 const IN_GROUND_DEG = 18;
 
 const FIELD_OF_VIEW_DEG = 40;
-// The eye looks a little over the bed: the tool works above it, and the horizon tells what is level.
+// The eye looks slightly over the bed: the tool works above it, and the horizon shows the horizontal.
 const LOOK_OVER_DEG = 5;
-// A named view shows the box over so much of the free picture's width or height, whichever is reached first.
+// Fraction of the free picture's width or height that the box fills in a named view, whichever is reached first.
 const FILLED = 0.65;
-// The picture has room above the box for a tool that is raised so high.
+// Height of a raised tool that fits into the picture above the box.
 const RAISED_TOOL_M = 0.12;
 const LOWEST_DEG = 2;
 const HIGHEST_DEG = 89.5;
@@ -59,19 +59,20 @@ const TURN_S = 0.35;
 const DEGREES = Math.PI / 180;
 const HALF_HEIGHT = Math.tan((FIELD_OF_VIEW_DEG / 2) * DEGREES);
 
-/** Above this elevation one looks onto the bed from above, and the mouse moves the tool level instead of upright. */
+/** Above this elevation the view counts as from above, and the mouse moves the tool horizontally instead of
+ * vertically. */
 export const FROM_ABOVE_DEG = 52;
 
 export class OrbitCamera {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 100);
   azimuth_deg = VIEWS['three-quarter'].azimuth_deg;
   elevation_deg = VIEWS['three-quarter'].elevation_deg;
-  /** where the axis of the view turns */
+  /** centre of the orbit */
   private readonly target_m = new Vector3(0, 0, 0.03);
   private readonly aside_m = new Vector3();
-  /** what shows all of the box in the named view */
+  /** values that show the complete box in the named view */
   private fitted: Fit = { distance_m: 0.5, target_z_m: 0.03 };
-  /** of the picture now: `fitted`, but while it turns to another view */
+  /** current values: `fitted`, except during a turn to another view */
   private shown: Fit = this.fitted;
   private zoom = 1;
   private covered = 0;
@@ -95,7 +96,7 @@ export class OrbitCamera {
     this.fit();
   }
 
-  /** Whether the ground is at the level of the soil, and not below the box. */
+  /** Sets whether the ground is at the level of the soil, instead of below the box. */
   setInGround(in_ground: boolean): void {
     if (in_ground === this.in_ground) return;
     this.in_ground = in_ground;
@@ -103,12 +104,12 @@ export class OrbitCamera {
     else this.setView(this.view, false);
   }
 
-  /** A picture of another shape is framed anew, unless a person has chosen what it shows; `covered`: share of its height
-   * at the top where something lies over it. */
+  /** Sets the shape of the picture, which fits the view again, unless the user has moved the eye. `covered`:
+   * fraction of its height that is covered at the top. */
   setAspect(aspect: number, covered = 0): void {
     this.camera.aspect = aspect;
     this.covered = covered;
-    // A headset leaves its own.
+    // Resets the field of view after use by a headset.
     this.camera.fov = FIELD_OF_VIEW_DEG;
     this.camera.updateProjectionMatrix();
     if (this.moved) this.apply();
@@ -125,13 +126,13 @@ export class OrbitCamera {
     Object.assign(this, this.viewOf(name));
     this.fit();
     if (!animate) return;
-    // The short way round.
+    // Turns the short way round.
     from.azimuth_deg -= 360 * Math.round((from.azimuth_deg - this.azimuth_deg) / 360);
     this.turn = { from, to: { ...this.fitted, ...this.viewOf(name), zoom: 1 }, start_ms: performance.now() };
     this.go(from);
   }
 
-  /** Where a person has moved the eye to; null: it is at a named view. */
+  /** Position to which the user has moved the eye; null: a named view. */
   get moved_to(): EyePlace | null {
     const { azimuth_deg, elevation_deg, zoom, aside_m } = this;
     return this.moved ? { azimuth_deg, elevation_deg, zoom, aside_m: [aside_m.x, aside_m.y] } : null;
@@ -163,7 +164,7 @@ export class OrbitCamera {
     this.apply();
   }
 
-  /** Looks at a place beside the middle; pixels to the right and down, of a picture so high. */
+  /** Moves the point of view horizontally, by pixels to the right and down in a picture of a height. */
   pan(right_px: number, down_px: number, height_px: number): void {
     this.takeOver();
     const scale = this.metresPerPixel(height_px);
@@ -172,7 +173,7 @@ export class OrbitCamera {
     this.apply();
   }
 
-  /** Goes on with a turn to a named view; true while it lasts. */
+  /** Advances a turn to a named view; true while it lasts. */
   advance(now_ms: number): boolean {
     if (!this.turn) return false;
     const { from, to, start_ms } = this.turn;
@@ -194,26 +195,27 @@ export class OrbitCamera {
     return this.elevation_deg > FROM_ABOVE_DEG;
   }
 
-  /** To the right of the picture, in the scene's frame. */
+  /** Returns the direction to the right of the picture, in the scene's frame. */
   right(): Vector3 {
     const angle = this.azimuth_deg * DEGREES;
     return new Vector3(Math.cos(angle), Math.sin(angle), 0);
   }
 
-  /** Away from the eye, level, in the scene's frame. */
+  /** Returns the horizontal direction away from the eye, in the scene's frame. */
   ahead(): Vector3 {
     const angle = this.azimuth_deg * DEGREES;
     return new Vector3(-Math.sin(angle), Math.cos(angle), 0);
   }
 
-  /** How many metres at the middle of the bed one CSS pixel is. */
+  /** Returns the length of one CSS pixel at the centre of the bed, in m. */
   metresPerPixel(height_px: number): number {
     const middle_m = new Vector3(this.aside_m.x, this.aside_m.y, 0.6 * this.box.surface_m);
     const distance_m = this.camera.position.distanceTo(middle_m);
     return (2 * distance_m * HALF_HEIGHT) / height_px;
   }
 
-  /** How many metres at the middle of the bed the shorter side of the picture is; in a headset, that of a usual picture. */
+  /** Returns the length of the picture's shorter side at the centre of the bed, in m; in a headset, that of a usual
+   * picture. */
   shorterSide_m(in_headset: boolean): number {
     return in_headset ? 1.6 * this.longest_m : this.metresPerPixel(1) * Math.min(1, this.camera.aspect);
   }
@@ -222,7 +224,7 @@ export class OrbitCamera {
     return Math.max(this.box.width_m, this.box.length_m);
   }
 
-  /** A person moves the eye: it stays where they leave it. */
+  /** Ends a turn, because the user moves the eye: it stays at the last position. */
   private takeOver(): void {
     this.turn = null;
     this.moved = true;
@@ -233,14 +235,14 @@ export class OrbitCamera {
     return { azimuth_deg, elevation_deg: this.in_ground ? Math.max(IN_GROUND_DEG, elevation_deg) : elevation_deg };
   }
 
-  /** Finds the place from which the named view shows all of the box. */
+  /** Computes the position from which the named view shows the complete box. */
   private fit(): void {
     const view = this.viewOf(this.view);
     const { azimuth_deg, elevation_deg, zoom, shown } = this;
     const aside_m = this.aside_m.clone();
     Object.assign(this, { ...view, zoom: 1 });
     this.aside_m.set(0, 0, 0);
-    // Nearer, all is larger in the picture: the nearest place at which all of it fits.
+    // Finds the nearest distance at which everything fits, because objects appear larger from near.
     const longest_m = this.longest_m + this.box.wall_m;
     let near_m = 0.6 * longest_m;
     let far_m = near_m + 20 * longest_m * Math.max(1, 1 / this.camera.aspect);
@@ -265,7 +267,7 @@ export class OrbitCamera {
     this.apply();
   }
 
-  /** Height of the target at which box and raised tool together are in the middle of the picture. */
+  /** Returns the height of the target at which box and raised tool together are centred in the picture. */
   private centred(distance_m: number): number {
     let low_m = -distance_m;
     let high_m = distance_m;
@@ -280,7 +282,7 @@ export class OrbitCamera {
     return (low_m + high_m) / 2;
   }
 
-  /** Where box and raised tool are in the picture, whose edges are at -1 and 1. */
+  /** Returns the extent of box and raised tool in the picture, whose edges are at -1 and 1. */
   private extentInPicture(): { box: { aside: number; bottom: number; top: number }; above: number } {
     const into_camera = this.camera.matrixWorldInverse;
     const at_m = new Vector3();
@@ -291,7 +293,7 @@ export class OrbitCamera {
       return { x: at_m.x / (depth_m * HALF_HEIGHT * this.camera.aspect), y: at_m.y / (depth_m * HALF_HEIGHT) };
     };
     const { width_m, length_m, wall_m } = this.box;
-    // In the ground, neither the box below it is to be seen nor its walls.
+    // In the ground, neither the box below it nor its walls are visible.
     const [low_m, high_m] = this.in_ground ? [this.box.surface_m, this.box.surface_m] : [0, wall_m];
     for (let corner = 0; corner < 8; ++corner) {
       const sign = (bit: number): number => (corner & bit ? 0.5 : -0.5);
@@ -319,7 +321,7 @@ export class OrbitCamera {
       this.target_m.y - level_m * Math.cos(azimuth),
       this.target_m.z + distance_m * Math.sin(elevation),
     );
-    // Under the ground there is nothing to see.
+    // The eye stays above the ground.
     const lowest_m = this.in_ground ? 1.2 * this.box.surface_m : 0.15 * this.box.surface_m;
     this.camera.position.z = Math.max(this.camera.position.z, lowest_m);
     this.camera.lookAt(this.target_m);

@@ -1,5 +1,5 @@
-// Colours for numbers. Viridis is perceptually uniform and safe for colour-blind eyes; nine samples with straight lines
-// between them are within a just noticeable difference of the published table.
+// Colour maps for numbers. Viridis is perceptually uniform and safe for colour-blind users; linear interpolation
+// between nine samples is within a just noticeable difference of the published table.
 
 import type { ColourMode } from 'haptolith-protocol';
 
@@ -30,7 +30,7 @@ export interface Scale {
   ticks: Tick[];
 }
 
-/** Range that the force colours span, in N: what single grains of these beds carry. */
+/** Range of the force colours, in N: contact forces of single particles of these beds. */
 export const FORCE_RANGE_N = { low: 1e-4, high: 10 } as const;
 export const SPEED_RANGE_M_S = { low: 1e-4, high: 1 } as const;
 
@@ -39,7 +39,7 @@ function decades(low: number, high: number, labels: Record<string, string>): Tic
   return Object.entries(labels).map(([value, label]) => ({ at: Math.log10(Number(value) / low) / span, label }));
 }
 
-/** What the legend of a colour mode says; null where colours mean no number. */
+/** Returns the legend of a colour mode; null where colours do not represent a number. */
 export function scaleOf(mode: ColourMode, depth_range_m: number): Scale | null {
   switch (mode) {
     case 'force':
@@ -79,7 +79,7 @@ export function scaleOf(mode: ColourMode, depth_range_m: number): Scale | null {
   }
 }
 
-/** The next of 1, 2, 5, 10, ... that is at least `value`. */
+/** Returns the smallest of 1, 2, 5, 10, ... that is at least `value`. */
 export function niceStep(value: number): number {
   const decade = 10 ** Math.floor(Math.log10(value));
   for (const factor of [1, 2, 5, 10]) if (factor * decade >= value * 0.999) return factor * decade;

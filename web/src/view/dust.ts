@@ -1,6 +1,5 @@
-// Dust that digging throws: motes that leave fast grains and fly as a stone does, each on a path of its own. Made up is
-// how much there is; how it flies is not: a parabola where there is no air, and where there is, Stokes' drag on grains of
-// a tenth of a millimetre, tau = rho d^2 / 18 mu.
+// Dust from digging: motes that leave fast particles, each on a ballistic path. Their number is invented, their motion
+// is not: a parabola without air; with air, Stokes' drag on grains of 0.1 mm diameter, tau = rho d^2 / (18 mu).
 
 import { type Range3, speedOf, type Vec3 } from 'haptolith-protocol';
 import {
@@ -18,26 +17,26 @@ import {
 import { REGOLITH_SHADER } from './regolith_shader';
 
 const MOST_MOTES = 1500;
-/** Slower grains throw none; a faster one so many a second for each m/s. */
+/** Slower particles throw none; a faster one throws MOTES_A_METRE motes per second for each m/s. */
 const SLOWEST_M_S = 0.12;
 const MOTES_A_METRE = 260;
 const MOST_A_FRAME = 60;
-/** Frames farther apart do not tell how a grain moved. */
+/** Longest interval between frames from which the motion of a particle can be estimated. */
 const LONGEST_STEP_S = 0.1;
 const LIFE_S = 3;
 
 const GRAIN_KG_M3 = 2700;
 const GRAIN_M = 1e-4;
-/** Viscosity of the air, Pa s: of nitrogen and of carbon dioxide at the temperature of the ground. */
+/** Viscosity of the air in Pa s: nitrogen (Earth) and carbon dioxide (Mars) at the temperature of the ground. */
 const VISCOSITY_PA_S: Record<string, number> = { Earth: 1.8e-5, Mars: 1.1e-5 };
 
-/** In how many seconds air slows a mote; null: there is none. */
+/** Returns the time constant with which air slows a mote, in s; null: no air. */
 export function slowingTime_s(body: string | null): number | null {
   const viscosity_pa_s = VISCOSITY_PA_S[body ?? ''];
   return viscosity_pa_s === undefined ? null : (GRAIN_KG_M3 * GRAIN_M ** 2) / (18 * viscosity_pa_s);
 }
 
-/** How far a mote has come in t: the shader's equation. */
+/** Returns the distance that a mote has travelled in t: the shader's equation. */
 export function flown_m(velocity_m_s: number, gravity_m_s2: number, tau_s: number | null, t_s: number): number {
   if (tau_s === null) return velocity_m_s * t_s + 0.5 * gravity_m_s2 * t_s * t_s;
   const end_m_s = gravity_m_s2 * tau_s;
@@ -49,8 +48,8 @@ precision highp float;
 precision highp int;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-in vec4 position;               // where it left in m, and when in s
-in vec4 a_velocity;             // in m/s, and its radius in m
+in vec4 position;               // start position in m, and start time in s
+in vec4 a_velocity;             // velocity in m/s, and radius in m
 ${REGOLITH_SHADER}
 uniform float u_time_s;
 uniform float u_slowing_s;      // 0: no air
@@ -102,10 +101,10 @@ export class Dust {
   private before_s = -Infinity;
   private quantised: Range3 = { low_m: [0, 0, 0], high_m: [1, 1, 1] };
   private seed = 1972;
-  /** A participant of a study is not told what gravity is, and dust would tell, or fly wrongly. */
+  /** false where gravity is hidden from a participant of a study: dust would reveal it, or fly wrongly */
   private gravity_known = false;
 
-  /** @param soil  what the shaders of soil know */
+  /** @param soil  uniforms of the soil's shaders */
   constructor(soil: Record<string, IUniform>) {
     this.uniforms = {
       ...soil,
@@ -144,7 +143,7 @@ export class Dust {
     this.quantised = quantised;
   }
 
-  /** Others are there now, where they are: nothing has moved there. */
+  /** Drops the last positions, because there are other particles: no motion is known. */
   forget(): void {
     this.before_s = -Infinity;
     (this.from.array as Float32Array).fill(-1e3);
@@ -152,13 +151,13 @@ export class Dust {
     this.points.visible = false;
   }
 
-  /** At most so large a share of what it may be. */
+  /** Limits the number of motes. */
   setDetail(detailed: boolean): void {
     this.most = detailed ? MOST_MOTES : MOST_MOTES / 6;
     this.next = 0;
   }
 
-  /** Motes that are in the air, or were till lately. */
+  /** Number of motes in the air, or recently so. */
   get count(): number {
     const { array } = this.from;
     let count = 0;
@@ -166,7 +165,7 @@ export class Dust {
     return count;
   }
 
-  /** Grains are there at this time: the fast ones throw dust. */
+  /** Accepts the particles at this time; the fast ones throw dust. */
   take(records: Uint16Array, radii_m: Float32Array, time_s: number): void {
     if (!this.gravity_known) return;
     const step_s = time_s - this.before_s;
@@ -182,7 +181,7 @@ export class Dust {
   private throwFrom(records: Uint16Array, radii_m: Float32Array, time_s: number, step_s: number): void {
     const { low_m, high_m } = this.quantised;
     const metre = [0, 1, 2].map((axis) => (high_m[axis]! - low_m[axis]!) / 65535);
-    const first = Math.floor(this.random() * radii_m.length); // not the same ones when there are too many
+    const first = Math.floor(this.random() * radii_m.length); // a fair start, as their number is limited
     let thrown = 0;
     for (let n = 0; n < radii_m.length && thrown < MOST_A_FRAME; ++n) {
       const i = (first + n) % radii_m.length;

@@ -1,5 +1,5 @@
-// Small angular grains, one point each: a swarm of them for every macroparticle that can be seen. On the bed they lie on
-// the surface; in the air and on the tool they are all there is to be seen, a clump of soil.
+// Small angular grains, one point each: a swarm of them for every visible particle. On the bed they are on the surface.
+// In the air and on the tool they alone represent the soil, as a clump.
 
 import { REGOLITH_SHADER } from './regolith_shader';
 
@@ -8,16 +8,16 @@ precision highp float;
 precision highp int;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-in vec4 position;               // of a grain in its swarm, in radii of the swarm, and its own radius
-in vec4 a_record;               // x, y, z of 65535ths; speed + 256 force, of 65535
-in vec2 a_particle;             // radius in m, number
-in vec3 a_outwards;             // of the heap that it is in
+in vec4 position;               // position of a grain in its swarm and its radius, in radii of the particle
+in vec4 a_record;               // normalised: x, y, z in the range; (speed + 256 force) / 65535
+in vec2 a_particle;             // radius in m, index
+in vec3 a_outwards;             // outward direction of its heap
 ${REGOLITH_SHADER}
 uniform vec3 u_quantised_low_m;
 uniform vec3 u_quantised_high_m;
-uniform float u_swarm;          // so many grains a particle
-uniform float u_deepest;        // how deep a particle with grains is, in radii
-uniform float u_size;           // fewer ones are larger
+uniform float u_swarm;          // number of grains per particle
+uniform float u_deepest;        // maximum depth of a particle with grains, in radii
+uniform float u_size;           // scale of the grains; fewer ones are larger
 uniform float u_height_px;
 uniform vec2 u_cell_m;
 #define CLOUD_RADII 1.3
@@ -28,7 +28,7 @@ flat out vec3 v_normal;
 flat out vec3 v_right;
 flat out vec3 v_up;
 flat out vec3 v_to_eye;
-flat out vec4 v_light;          // sun, sky, seed, how angular it is
+flat out vec4 v_light;          // sun, sky, seed, angularity
 
 float random(uint seed) {
   seed = seed * 747796405u + 2891336453u;
@@ -44,13 +44,13 @@ void main() {
   uint number = uint(a_particle.y);
   float over = (centre_m.z - surfaceAt(centre_m.xy).x) / radius_m;
   float aloft = smoothstep(0.0, 0.8, over);
-  // On the bed, the surface shows the fine ones already.
+  // On the bed, the surface already shows the fine grains.
   float many = u_swarm * mix(LYING_SHARE, 1.0, aloft);
   float shown = smoothstep(-u_deepest, 0.55 - u_deepest, over) * clamp(many - float(gl_VertexID), 0.0, 1.0);
   bool core = gl_VertexID == 0;
   if (shown <= 0.0 || (core && aloft < 0.5)) return;
 
-  // No two swarms lie alike.
+  // Each swarm is turned differently.
   float turn = 6.2831853 * random(number);
   vec3 way = position.xyz;
   way.xy = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * way.xy;
@@ -78,7 +78,7 @@ void main() {
   vec3 round_normal = normalize((core ? v_to_eye : way) + 0.4 * a_outwards + vec3(0.0, 0.0, 0.3));
   vec3 bed_normal = vec3(surfaceAt(at_m.xy - vec2(u_cell_m.x, 0.0)).x - here.x,
                          surfaceAt(at_m.xy - vec2(0.0, u_cell_m.y)).x - here.x, 0.0) / vec3(u_cell_m, 1.0);
-  // Light goes some way into loose soil.
+  // Light penetrates loose soil a little.
   v_normal = normalize(mix(normalize(bed_normal + vec3(0.0, 0.0, 1.0)), round_normal, aloft) + 0.4 * u_to_sun);
   float over_shadow_m = at_m.z - here.y;
   float sun = smoothstep(-0.03 * u_radius_m, 0.07 * u_radius_m, over_shadow_m) * sunPastTool(at_m);
@@ -110,13 +110,13 @@ void main() {
   vec2 at = vec2(2.0, -2.0) * (gl_PointCoord - 0.5);
   float turn = 6.2831853 * fract(v_light.z * 7.31);
   at = mat2(cos(turn), sin(turn), -sin(turn), cos(turn)) * at;
-  // Five straight edges, none as far out as the next.
+  // Five straight edges, each at another distance.
   vec2 far = vec2(0.0);
   float edge = max(max(at.y / 0.75, dot(at, vec2(0.95, 0.31)) / 0.9),
                    max(dot(at, vec2(-0.95, 0.31)) / 0.62, max(dot(at, vec2(0.59, -0.81)) / 0.7,
                        dot(at, vec2(-0.59, -0.81)) / 0.95)));
   if (edge > 1.0) discard;
-  // Three faces that meet beside the middle.
+  // Three faces that meet near the centre.
   vec2 from_tip = at - vec2(0.1, 0.15);
   vec2 lean = from_tip.y > 0.6 * abs(from_tip.x) ? vec2(0.0, 1.0)
               : from_tip.x > 0.0 ? vec2(0.87, -0.5) : vec2(-0.87, -0.5);

@@ -1,6 +1,6 @@
-// One grain: a square that faces the eye, in which each pixel finds where its ray meets the sphere. Light and depth are
-// those of the sphere, so grains cut through each other, the tool and the floor as they should. All in the scene's
-// frame: the ray is the same for a screen and for either eye of a headset.
+// One particle: a square that faces the eye, in which each pixel intersects its ray with the sphere. Light and depth
+// are those of the sphere, so particles intersect each other, the tool and the floor correctly. Everything is in the
+// scene's frame: the ray is the same for a screen and for either eye of a headset.
 
 import { LIGHT_SHADER } from './light_shader';
 
@@ -12,7 +12,7 @@ uniform mat4 projectionMatrix;
 in vec3 position;
 ${LIGHT_SHADER}
 in float a_radius_m;
-in vec4 a_record;               // x, y, z of 65535ths; speed + 256 force, of 65535
+in vec4 a_record;               // normalised: x, y, z in the range; (speed + 256 force) / 65535
 uniform vec3 u_quantised_low_m;
 uniform vec3 u_quantised_high_m;
 uniform int u_colour_mode;      // 0 plain, 1 force, 2 speed, 3 depth, 4 sleep
@@ -58,14 +58,14 @@ void main() {
   float force_byte = floor(state / 256.0);
   float speed_byte = state - 256.0 * force_byte;
 
-  // The eye in the scene's frame; the view may be turned, moved and scaled, not sheared.
+  // The eye in the scene's frame; the view may be rotated, translated and scaled, not sheared.
   mat3 turn = mat3(modelViewMatrix);
   v_eye_m = -(modelViewMatrix[3].xyz * turn) / dot(turn[0], turn[0]);
 
   v_radius_m = a_radius_m;
   v_sky = openSky(v_centre_m, a_radius_m);
 
-  // Grains deep below the surface are seen only through a wall that the eye looks at from outside.
+  // Particles deep below the surface are visible only through a wall that faces the eye.
   vec2 to_wall_m = u_box_half_m - v_centre_m.xy * sign(v_eye_m.xy);
   bvec2 at_seen_wall = bvec2(abs(v_eye_m.x) > u_box_half_m.x && to_wall_m.x < 3.0 * u_radius_m,
                              abs(v_eye_m.y) > u_box_half_m.y && to_wall_m.y < 3.0 * u_radius_m);
@@ -82,7 +82,7 @@ void main() {
     return;
   }
 
-  // The square stands where the sphere is nearest to the eye, as large as the cone around the sphere is there.
+  // The square is at the sphere's nearest point to the eye, with the size of the cone around the sphere there.
   vec3 forward = from_eye / distance_m;
   vec3 right = normalize(cross(forward, abs(forward.z) > 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0)));
   vec3 up = cross(right, forward);
@@ -92,8 +92,8 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(v_at_m, 1.0);
 
   v_seed = random(uint(gl_InstanceID));
-  // No two grains of soil are equally bright; it makes single ones visible as they move. Colours that mean a number
-  // vary less, so that the legend still holds.
+  // Particles of soil differ in brightness, which makes single ones visible as they move. Colours for numbers vary
+  // less, so that the legend is still valid.
   float spread = u_colour_mode == 0 ? 0.30 : 0.08;
   v_albedo = albedoOf(speed_byte, force_byte, v_centre_m.z) * (1.0 + spread * (v_seed - 0.5));
 #ifdef SUN_PER_GRAIN
@@ -106,7 +106,7 @@ void main() {
 
 export const GRAIN_FRAGMENT_SHADER = /* glsl */ `
 #ifdef CONSERVATIVE_DEPTH
-// The sphere is nowhere nearer than its square, so what is hidden behind other grains need not be worked out.
+// The sphere is nowhere nearer than its square, so pixels behind other particles need not be computed.
 #extension GL_EXT_conservative_depth : enable
 #endif
 precision highp float;
@@ -117,7 +117,7 @@ layout(depth_greater) out highp float gl_FragDepth;
 ${LIGHT_SHADER}
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-uniform float u_flatness;       // 0 lit like soil; towards 1, colours are shown as the legend has them
+uniform float u_flatness;       // 0 lit like soil; towards 1, colours match the legend
 
 flat in vec3 v_centre_m;
 flat in vec3 v_eye_m;
@@ -146,7 +146,7 @@ void main() {
 
   vec3 albedo = v_albedo;
 #ifdef GRAIN_DETAIL
-  // A rough surface, fading out where a grain is only a few pixels wide.
+  // A rough surface, fading out where a particle is only a few pixels wide.
   float detail = clamp(1.0 - 9.0 * edge, 0.0, 1.0) * (1.0 - u_flatness);
   if (detail > 0.0) {
     vec4 rough = texture(u_noise, normal * 0.31 + v_seed * 13.7);
@@ -155,7 +155,7 @@ void main() {
   }
 #endif
 
-  // Where the soil beside this point stands higher than the point, less light gets in.
+  // Soil next to this point that is higher than the point blocks light.
   vec3 outside_m = at_m + 0.55 * v_radius_m * normal;
   float covered = clamp((soilHeight(outside_m.xy).y - outside_m.z) / (2.2 * v_radius_m), 0.0, 1.0);
   float crevice = (1.0 - 0.72 * covered) * clamp(0.55 + 0.9 * distanceToTool(outside_m) / v_radius_m, 0.4, 1.0);
@@ -167,7 +167,7 @@ void main() {
 #endif
   sun *= sunPastTool(at_m) * sunPastFlying(at_m);
   float facing = max(dot(normal, u_to_sun), 0.0);
-  // Soil scatters back more evenly than a matt sphere: its terminator is steeper, its middle flatter.
+  // Soil scatters back more evenly than a matt sphere: its terminator is steeper, its centre flatter.
   facing = facing * (1.35 - 0.35 * facing);
   float sky = v_sky.w * (0.62 + 0.38 * dot(normal, normalize(v_sky.xyz)));
   vec3 light = u_sun * facing * sun * 0.42 + u_fill * sky * crevice * 0.8 + u_fill * 0.05;

@@ -1,8 +1,9 @@
-// What is done to all heights of a grid at once: smoothing, filling, shadows.
+// Filters for all heights of a grid: smoothing, filling, shadows.
 
 import type { Grid } from './height_grid';
 
-/** Two box blurs after each other, each of `reach_m` to either side, are nearly a bell. `scratch` is written over. */
+/** Blurs twice by a box with a reach of `reach_m` to either side, which approximates a Gaussian. `scratch` is
+ * overwritten. */
 export function blurTwice(
   from: Float32Array,
   to: Float32Array,
@@ -19,7 +20,8 @@ export function blurTwice(
   }
 }
 
-/** A block that reaches so far, pushed over the heights from above, does not fall into what is narrower than itself. */
+/** Fills gaps that are narrower than a block with this reach (morphological closing): pushed over the heights from
+ * above, it does not enter them. */
 export function fillGaps(heights: Float32Array, scratch: Float32Array, grid: Grid, reach_m: number): void {
   const { columns, rows } = grid;
   const [across, along] = cellsOf(grid, reach_m);
@@ -29,7 +31,7 @@ export function fillGaps(heights: Float32Array, scratch: Float32Array, grid: Gri
   }
 }
 
-/** The greatest value within so far of each point, as the sides of a square go. */
+/** Replaces each value by the maximum within a square around it, whose half side is `reach_m`. */
 export function spreadGreatest(values: Float32Array, scratch: Float32Array, grid: Grid, reach_m: number): void {
   const { columns, rows } = grid;
   const [across, along] = cellsOf(grid, reach_m);
@@ -37,8 +39,8 @@ export function spreadGreatest(values: Float32Array, scratch: Float32Array, grid
   for (let column = 0; column < columns; ++column) slide(1, scratch, values, column, columns, rows, along);
 }
 
-/** How high the shadow reaches over each point. Goes away from the sun, cell by cell: a shadow sinks with the way, and every
- * top that stands above it begins anew. */
+/** Computes the height of the shadow over each point. Proceeds cell by cell away from the sun: a shadow descends
+ * with distance, and each higher top starts a new one. */
 export function castShadows(
   heights: Float32Array,
   shadow: Float32Array,
@@ -77,7 +79,7 @@ function cellsOf(grid: Grid, reach_m: number): [number, number] {
   return [Math.max(1, Math.round(reach_m / grid.cell_width_m)), Math.max(1, Math.round(reach_m / grid.cell_length_m))];
 }
 
-/** Mean over 2 reach + 1 neighbours along one line of a picture; the ends stand for what is beyond them. */
+/** Computes the mean of 2 reach + 1 neighbours along one line of a grid; the end values continue beyond the ends. */
 export function boxBlur(
   from: Float32Array,
   to: Float32Array,
@@ -90,7 +92,7 @@ export function boxBlur(
   let sum = 0;
   for (let i = -reach; i <= reach; ++i) sum += from[Math.min(last, Math.max(start, start + i * stride))]!;
   const share = 1 / (2 * reach + 1);
-  // Of what comes in next and goes out last.
+  // indices of the next value to enter and of the last one to leave
   let in_at = start + (reach + 1) * stride;
   let out_at = start - reach * stride;
   for (let i = 0, at = start; i < count; ++i, at += stride, in_at += stride, out_at += stride) {
@@ -99,7 +101,7 @@ export function boxBlur(
   }
 }
 
-/** Greatest (or with -1, least) of 2 reach + 1 neighbours along one line of a picture. */
+/** Computes the maximum (or with -1, minimum) of 2 reach + 1 neighbours along one line of a grid. */
 function slide(
   sign: 1 | -1,
   from: Float32Array,

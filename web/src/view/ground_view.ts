@@ -1,5 +1,5 @@
-// The ground around the box and the floor in it, with the shadows that soil and tool cast on them. In a headset the
-// ground shrinks to the top of a table.
+// The ground around the box and the floor in it, with the shadows of soil and tool. In a headset the ground shrinks to
+// the top of a table.
 
 import type { Scene } from 'haptolith-protocol';
 import { CircleGeometry, Color, GLSL3, Mesh, ShaderMaterial } from 'three';
@@ -27,7 +27,7 @@ in vec3 v_at_m;
 flat in vec3 v_eye_m;
 layout(location = 0) out vec4 o_colour;
 
-// Roughness of many sizes, and its slope towards the sun; the texture's mipmaps take away what is smaller than a pixel.
+// Roughness of many sizes, and its slope towards the sun; the texture's mipmaps remove details smaller than a pixel.
 vec2 roughness(vec2 at_m) {
   vec2 sum = vec2(0.0);
   float size_m = 60.0 * u_radius_m;
@@ -62,7 +62,7 @@ void main() {
   float away_m = distance(at_m, v_eye_m);
   colour = mix(colour, u_horizon, 1.0 - exp(-away_m / u_haze_m));
 #ifdef ENDS
-  // Only where it is needed: a shader that may discard is run even for pixels that something nearer hides.
+  // Only where it is needed, because a shader that may discard runs even for pixels hidden by nearer objects.
   if (length(at_m.xy) > u_edge_m) discard;
 #endif
   o_colour = linearToOutputTexel(vec4(colour, 1.0));
@@ -89,7 +89,7 @@ export class GroundView {
     });
     this.mesh = new Mesh(new CircleGeometry(1, 96), material);
     this.mesh.frustumCulled = false;
-    // After the grains, which hide much of it.
+    // After the particles, which hide much of it.
     this.mesh.renderOrder = 1;
   }
 
@@ -107,7 +107,7 @@ export class GroundView {
     this.define({ OCTAVES: detailed ? '4' : '2', SUN_STEPS: detailed ? '12' : '7' });
   }
 
-  /** The ground ends after so many widths of the box; null: at the horizon. */
+  /** Sets the radius at which the ground ends, in widths of the box; null: at the horizon. */
   setEdge(widths: number | null): void {
     this.mesh.material.uniforms.u_edge_m!.value = (widths ?? 0) * this.width_m;
     this.define({ ENDS: widths === null ? undefined : '1' });

@@ -1,8 +1,8 @@
-// How high the soil stands over each point of the floor: a small picture of the bed from above. Shaders look into it to
-// find out how much sky and sun a grain sees. Each point has two heights: as it is, and smoothed over about two grains.
+// Height of the soil over each point of the floor: a small map of the bed from above. Shaders read it to estimate how
+// much sky and sun a particle sees. Each point has two heights: unfiltered, and smoothed over about two particles.
 //
-// A grain or a stone in the air is no height: below it there is light. Such ones are listed instead, for round shadows
-// of their own.
+// A particle or a stone in the air does not change the height, because there is light below it. Such objects are listed
+// instead, for separate round shadows.
 
 import { dequantise, radiiOf, type Scene, type Vec3 } from 'haptolith-protocol';
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGFormat, Vector4 } from 'three';
@@ -10,14 +10,14 @@ import { boxBlur } from './grid_filters';
 import { ballAround, HeightOrder, raiseTriangles } from './height_grid';
 
 const LARGEST_SIDE = 192;
-// A grain is a few cells wide, enough to see its round top; more cells than this cost time without being seen.
+// A particle is a few cells wide, enough to show its round top; more cells cost time without a visible effect.
 const CELLS_PER_RADIUS = 3.5;
-// With nothing so close below its lowest point, a grain flies.
+// A particle flies if nothing is within this distance below its lowest point, in radii.
 const FLYING_RADII = 3;
-/** More grains in the air than these cast no shadow. */
+/** Maximum number of particles in the air that cast a shadow. */
 export const MOST_FLYING = 16;
 
-/** What carries grains though it is no soil: the sphere around the tool. */
+/** Sphere around the tool, which can carry particles although it is not soil. */
 export interface Carrier {
   at_m: Vec3;
   radius_m: number;
@@ -33,7 +33,7 @@ export class HeightField {
   readonly texture: DataTexture;
   /** highest point of the soil, in m */
   top_m = 0;
-  /** centres and radii of the lowest of the grains in the air; the first `flying_count` are valid */
+  /** centres and radii of the lowest particles in the air; the first `flying_count` are valid */
   readonly flying_m = Array.from({ length: MOST_FLYING }, () => new Vector4());
   flying_count = 0;
 
@@ -49,7 +49,7 @@ export class HeightField {
     private readonly radii_m = radiiOf(scene),
   ) {
     const finest_m = this.radii_m.reduce((least, radius_m) => Math.min(least, radius_m), scene.radius_m);
-    // One grain of margin, so that the edge of the picture is bare ground and everything beyond it reads as such.
+    // One particle of margin, so that the edge of the map is bare ground, as is everything beyond it.
     const margin_m = 1.5 * scene.radius_m;
     this.width_m = scene.box.width_m + 2 * margin_m;
     this.length_m = scene.box.length_m + 2 * margin_m;
@@ -68,10 +68,8 @@ export class HeightField {
     this.texture.minFilter = LinearFilter;
   }
 
-  /**
-   * Builds the field from all records (four u16 a particle, as in a frame), and the triangles of each stone (nine
-   * numbers a triangle, in the scene's frame).
-   */
+  /** Builds the field from all records (four u16 per particle, as in a frame), and the triangles of each stone (nine
+   * numbers per triangle, in the scene's frame). */
   build(
     records: Uint16Array,
     particles: number,
@@ -94,7 +92,7 @@ export class HeightField {
     this.texture.needsUpdate = true;
   }
 
-  /** Height of the soil at a point, in m; 0 beside the field. */
+  /** Returns the height of the soil at a point, in m; 0 outside the field. */
   heightAt(x_m: number, y_m: number): number {
     const column = Math.floor((x_m - this.low_x_m) / this.cell_width_m);
     const row = Math.floor((y_m - this.low_y_m) / this.cell_length_m);
@@ -114,7 +112,7 @@ export class HeightField {
     return this.length_m / this.rows;
   }
 
-  /** Lays the round top of every grain that does not fly over the floor and what lies below it. */
+  /** Raises the heights to the round top of every particle that does not fly. */
   private raise(records: Uint16Array, particles: number, carrier: Carrier | null): void {
     const { heights, columns, rows } = this;
     const { low_m, high_m } = this.scene.quantised;
@@ -156,7 +154,8 @@ export class HeightField {
     }
   }
 
-  /** Lays the top of a stone over what is there, or lists it in place of the last grain when it flies. */
+  /** Raises the heights to the top of a stone; a flying stone is listed instead, and replaces the last particle if
+   * the list is full. */
   private raiseStone(triangles_m: Float32Array): void {
     const ball = ballAround(triangles_m);
     if (ball.lowest_m - this.heightAt(ball.x_m, ball.y_m) > FLYING_RADII * this.scene.radius_m) {
@@ -167,7 +166,7 @@ export class HeightField {
     raiseTriangles(triangles_m, this.heights, this);
   }
 
-  /** Whether neither soil, of the lower grains laid so far, nor what carries is close below a grain. */
+  /** Whether neither soil, of the lower particles added so far, nor the carrier is close below a particle. */
   private flies(x_m: number, y_m: number, z_m: number, radius_m: number, carrier: Carrier | null): boolean {
     if (carrier) {
       const [x, y, z] = carrier.at_m;

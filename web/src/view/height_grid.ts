@@ -1,4 +1,4 @@
-// What pictures of the bed from above are made with: cells in rows, each with a height.
+// Basis of maps of the bed from above: cells in rows, each with a height.
 
 import type { Vec3 } from 'haptolith-protocol';
 
@@ -13,7 +13,7 @@ export interface Grid {
 
 const HEIGHT_BINS = 1024;
 
-/** Particles from the lowest to the highest, about. */
+/** Particles approximately in order of height, lowest first. */
 export class HeightOrder {
   index = new Uint32Array(0);
   private readonly bins = new Uint32Array(HEIGHT_BINS + 1);
@@ -28,14 +28,14 @@ export class HeightOrder {
   }
 }
 
-/** Lays triangles, nine numbers each, over what is there. */
+/** Raises the heights to triangles of nine numbers each. */
 export function raiseTriangles(triangles_m: Float32Array, heights: Float32Array, grid: Grid): void {
   const { columns, rows, low_x_m, low_y_m, cell_width_m: dx, cell_length_m: dy } = grid;
   for (let i = 0; i < triangles_m.length; i += 9) {
     const [ax, ay, az, bx, by, bz, cx, cy, cz] = triangles_m.subarray(i, i + 9) as unknown as FixedTriangle;
     const [ux, uy, uz, vx, vy, vz] = [bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az];
     const area = ux * vy - uy * vx;
-    if (area <= 0) continue; // its other side is up
+    if (area <= 0) continue; // it faces down
     const first_column = Math.max(0, Math.ceil((Math.min(ax, bx, cx) - low_x_m) / dx - 0.5));
     const last_column = Math.min(columns - 1, Math.floor((Math.max(ax, bx, cx) - low_x_m) / dx - 0.5));
     const first_row = Math.max(0, Math.ceil((Math.min(ay, by, cy) - low_y_m) / dy - 0.5));
@@ -56,7 +56,7 @@ export function raiseTriangles(triangles_m: Float32Array, heights: Float32Array,
 
 type FixedTriangle = [number, number, number, number, number, number, number, number, number];
 
-/** The middle of a stone's corners, how far from it they are in the mean, and the lowest of them. */
+/** Returns the mean of a stone's corners, their mean distance from it, and their minimum height. */
 export function ballAround(triangles_m: Float32Array): {
   x_m: number;
   y_m: number;

@@ -1,8 +1,9 @@
-// Light on soil, shared by the shaders of the grains and of the ground. Everything is in the scene's frame, in metres.
+// Light on soil, shared by the shaders of the particles and of the ground. Everything is in the scene's frame, in
+// metres.
 //
-// Sun shadow: a short walk towards the sun over the height field. Fill light: how much of the sky the height field leaves
-// free. Grains in the air, which are not in the field, cast a round shadow. Shadow of the tool: its signed distance, walked along the same ray, with the soft edge that the ratio of
-// distance to way gives.
+// Sun shadow: a short ray march towards the sun over the height field. Fill light: fraction of the sky that the height
+// field leaves free. Particles in the air, which are not in the field, cast a round shadow. Shadow of the tool: its
+// signed distance, marched along the same ray; the ratio of distance to path length gives the soft edge.
 
 import type { Pose, Scene, Tool } from 'haptolith-protocol';
 import {
@@ -22,9 +23,9 @@ import { lookOf } from './body_looks';
 import { MOST_FLYING } from './height_field';
 import { makeNoiseTexture } from './noise_texture';
 
-/** Towards the sun: from the left, a little from the front, 38 degrees high. */
+/** Direction towards the sun: from the left, a little from the front, 38 degrees high. */
 export const TO_SUN = new Vector3(-0.62, -0.48, 0.62).normalize();
-/** From the same side, 27 degrees high: long shadows. */
+/** Direction to a low sun on the same side, 27 degrees high: long shadows. */
 export const LOW_SUN = new Vector3(-0.7, -0.36, 0.4).normalize();
 
 export interface LightUniforms {
@@ -33,7 +34,7 @@ export interface LightUniforms {
   u_field: IUniform<DataTexture>;
   u_field_rect: IUniform<Vector4>;
   u_field_top_m: IUniform<number>;
-  /** height of the ground beside the field */
+  /** height of the ground outside the field */
   u_ground_m: IUniform<number>;
   u_flying_m: IUniform<Vector4[]>;
   u_flying_count: IUniform<number>;
@@ -75,7 +76,7 @@ export function makeLightUniforms(): LightUniforms {
   };
 }
 
-/** Makes the noise that rough surfaces need, which takes a while, when it is first needed. */
+/** Makes the noise texture for rough surfaces at its first use, because that takes a while. */
 export function needNoise(uniforms: LightUniforms): void {
   if (uniforms.u_noise.value.image.width === 1) uniforms.u_noise.value = makeNoiseTexture();
 }
@@ -88,7 +89,7 @@ export interface Field {
   length_m: number;
 }
 
-/** `ground_m`: height of the ground beside the field. */
+/** @param ground_m  height of the ground outside the field */
 export function lightScene(uniforms: LightUniforms, scene: Scene, field: Field, ground_m: number): void {
   uniforms.u_field.value = field.texture;
   uniforms.u_ground_m.value = ground_m;
@@ -98,7 +99,7 @@ export function lightScene(uniforms: LightUniforms, scene: Scene, field: Field, 
   uniforms.u_box_half_m.value.set(scene.box.width_m / 2, scene.box.length_m / 2);
 }
 
-/** Which balls in the air cast a shadow. */
+/** Sets the spheres in the air that cast a shadow. */
 export function shadeFlying(uniforms: LightUniforms, flying_m: Vector4[], count: number): void {
   uniforms.u_flying_m.value = flying_m;
   uniforms.u_flying_count.value = count;
@@ -147,21 +148,21 @@ uniform float u_field_top_m;
 uniform float u_ground_m;
 uniform vec4 u_flying_m[${MOST_FLYING}];  // centre, radius
 uniform int u_flying_count;
-uniform vec4 u_flying_around_m;  // a ball around all of them
-uniform float u_radius_m;       // of the coarsest grains
+uniform vec4 u_flying_around_m;  // a sphere around all of them
+uniform float u_radius_m;       // radius of the coarsest particles
 uniform vec2 u_box_half_m;
 uniform vec3 u_to_sun;
 uniform vec3 u_sun;
 uniform vec3 u_fill;
 uniform int u_tool_solid;       // 0 box, 1 sphere, 2 cylinder, 3 none: SOLIDS
-uniform vec3 u_tool_half_m;     // of one of two jaws
-uniform float u_jaw_middle_m;   // from the tool's origin to the middle of a jaw, 0 with other tools
-uniform float u_tool_reach_m;   // of the ball around it
+uniform vec3 u_tool_half_m;     // half extents; for jaws those of one jaw
+uniform float u_jaw_middle_m;   // from the tool's origin to the centre of a jaw, 0 with other tools
+uniform float u_tool_reach_m;   // radius of its bounding sphere
 uniform vec3 u_tool_origin_m;
 uniform mat3 u_tool_T_scene;
 
-// sRGB, as screens and headsets want it, of roots alone: a power costs a renderer without a graphics card much more.
-// Within half a step of 255.
+// Converts to sRGB, as screens and headsets expect it, by square roots alone, because a power costs a renderer without
+// a graphics card much more. Error below half a step of 255.
 vec3 toScreen(vec3 linear) {
   vec3 light = clamp(linear, 0.0, 1.0);
   vec3 root = sqrt(light);
@@ -170,17 +171,17 @@ vec3 toScreen(vec3 linear) {
   return mix(12.92 * light, curved, step(0.0031308, light));
 }
 
-// x: height of the soil as it is, y: smoothed; in m. Beside the field there is level ground.
+// x: unfiltered height of the soil, y: smoothed; in m. Outside the field the ground is level.
 vec2 soilHeight(vec2 at_m) {
   vec2 uv = (at_m - u_field_rect.xy) * u_field_rect.zw;
   if (any(lessThan(uv, vec2(0.0))) || any(greaterThan(uv, vec2(1.0)))) return vec2(u_ground_m);
   return textureLod(u_field, uv, 0.0).xy;
 }
 
-// 1 where the sun reaches a point, 0 in shadow. The walk starts one radius of the grain away, so that a grain does not lie in the
-// shadow of its own top.
+// 1 where the sun reaches a point, 0 in shadow. The march starts one radius away, so that a particle is not in the
+// shadow of its top.
 float sunOverSoil(vec3 from_m, float radius_m, int steps) {
-  // Ground beyond the longest shadow is settled at once.
+  // Ground beyond the longest shadow returns early.
   vec2 longest_m = u_box_half_m + u_radius_m + max(u_field_top_m - from_m.z, 0.0) * abs(u_to_sun.xy) / u_to_sun.z;
   if (any(greaterThan(abs(from_m.xy), longest_m))) return 1.0;
   float start_m = 1.25 * radius_m;
@@ -189,7 +190,7 @@ float sunOverSoil(vec3 from_m, float radius_m, int steps) {
   float light = 1.0;
   for (int i = 0; i < steps; ++i) {
     float share = (float(i) + 0.5) / float(steps);
-    float way_m = mix(start_m, end_m, share * mix(share, 1.0, 0.5));  // denser near the grain
+    float way_m = mix(start_m, end_m, share * mix(share, 1.0, 0.5));  // denser near the particle
     vec3 at_m = from_m + way_m * u_to_sun;
     float free_m = at_m.z - soilHeight(at_m.xy).x;
     light = min(light, 0.5 + free_m / (0.35 * radius_m + 0.10 * way_m));
@@ -197,19 +198,19 @@ float sunOverSoil(vec3 from_m, float radius_m, int steps) {
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
 }
 
-// Shadows of grains in the air: round, and softer with the way.
+// Shadows of particles in the air: round, and softer with distance.
 float sunPastFlying(vec3 from_m) {
   float light = 1.0;
-  // Most points are far from all of their shadows: one look at the ball around them settles those.
+  // Most points are far from all of their shadows, which a test with their bounding sphere shows.
   vec3 to_all = u_flying_around_m.xyz - from_m;
   float along_all_m = dot(to_all, u_to_sun);
   bool past_all = length(to_all - along_all_m * u_to_sun) > u_flying_around_m.w * 1.35 + 0.06 * max(along_all_m, 0.0);
-  // A loop that does not begin instead of an early return: sky_view.ts says why.
+  // A loop with no iteration instead of an early return; sky_view.ts gives the reason.
   for (int i = past_all ? u_flying_count : 0; i < u_flying_count; ++i) {
     vec3 to_grain = u_flying_m[i].xyz - from_m;
     float radius_m = u_flying_m[i].w;
     float along_m = dot(to_grain, u_to_sun);
-    if (along_m < 1.05 * radius_m) continue;  // its own surface
+    if (along_m < 1.05 * radius_m) continue;  // its surface
     float free_m = length(to_grain - along_m * u_to_sun) - radius_m;
     light = min(light, 0.5 + free_m / (0.35 * radius_m + 0.10 * along_m));
     if (light <= 0.0) break;
@@ -217,7 +218,7 @@ float sunPastFlying(vec3 from_m) {
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
 }
 
-// Distance from a point of the scene to the tool's surface, in m; negative inside. What is no solid is nowhere near.
+// Distance from a point of the scene to the tool's surface, in m; negative inside. Large if there is no solid.
 float distanceToTool(vec3 at_m) {
   if (u_tool_solid == 3) return 1e3;
   vec3 p = u_tool_T_scene * (at_m - u_tool_origin_m);
@@ -228,7 +229,7 @@ float distanceToTool(vec3 at_m) {
 }
 
 float sunPastTool(vec3 from_m) {
-  // Most points are far from the tool's shadow: one look at its enclosing sphere settles them.
+  // Most points are far from the tool's shadow, which a test with its bounding sphere shows.
   vec3 to_tool = u_tool_origin_m - from_m;
   float along_m = dot(to_tool, u_to_sun);
   float beside_m = length(to_tool - along_m * u_to_sun);
@@ -244,7 +245,7 @@ float sunPastTool(vec3 from_m) {
   return smoothstep(0.0, 1.0, clamp(light, 0.0, 1.0));
 }
 
-// How much of the sky is free above a grain of some radius, 0 to 1, and where the free part is (not normalised).
+// Returns the direction of the free part of the sky (not normalised) and its fraction, 0 to 1, above a particle.
 vec4 openSky(vec3 at_m, float radius_m) {
   vec3 towards = vec3(0.0, 0.0, 0.6);
   float open = 0.0;

@@ -1,22 +1,22 @@
-// What a mesh looks like: round where its triangles meet nearly flat, with an edge where they do not. Triangles of one
-// surface share their points, so neighbours are found by number; three.js would look for them by place, which takes
-// seconds for a hundred thousand triangles.
+// Appearance of a mesh: smooth where its triangles are nearly coplanar, with an edge where they are not. Triangles of
+// one surface share their points, so neighbours are found by index. three.js would search by position, which takes
+// seconds for 100 000 triangles.
 
 import type { TriangleMesh } from 'haptolith-protocol';
 import { BufferGeometry, Float32BufferAttribute, Uint32BufferAttribute, Vector3 } from 'three';
 
-/** From this angle between them on, two faces do not look like one surface. */
+/** Minimum angle between two faces that do not appear as one surface. */
 const CREASE_DEG = 30;
 
 const cosine = (angle_deg: number): number => Math.cos((angle_deg * Math.PI) / 180);
 
-/** The triangles' directions, and which of them meet at a point. */
+/** Normals of the triangles, and the triangles at each point. */
 class Faces {
-  /** of length 1: x, y, z of each; 0 without area */
+  /** unit normals: x, y, z of each; 0 without area */
   private readonly normals: Float32Array;
   /** twice the area of each */
   private readonly areas: Float32Array;
-  /** the faces of each point, one point after the other, and where a point's begin */
+  /** the faces of each point, in sequence, and the first index of each point */
   private readonly around: Uint32Array;
   private readonly first: Uint32Array;
 
@@ -50,7 +50,7 @@ class Faces {
     return triangles[3 * face] === point || triangles[3 * face + 1] === point || triangles[3 * face + 2] === point;
   }
 
-  /** Cosine of the angle between two. */
+  /** Returns the cosine of the angle between two faces. */
   cosine(one: number, other: number): number {
     const { normals } = this;
     const x = normals[3 * one]! * normals[3 * other]!;
@@ -58,7 +58,7 @@ class Faces {
     return x + y + normals[3 * one + 2]! * normals[3 * other + 2]!;
   }
 
-  /** Adds the direction of one, by its size. */
+  /** Adds the normal of a face, weighted by its area. */
   addTo(sum: Vector3, face: number): void {
     const { normals } = this;
     const area = this.areas[face]!;
@@ -89,7 +89,7 @@ export function meshGeometry(mesh: TriangleMesh): BufferGeometry {
     .setAttribute('normal', new Float32BufferAttribute(normals, 3));
 }
 
-/** Lines where two faces meet at more than an angle. */
+/** Returns lines where two faces meet at more than an angle. */
 export function meshEdges(mesh: TriangleMesh, edge_angle_deg: number): BufferGeometry {
   const { points_m, triangles } = mesh;
   const faces = new Faces(mesh);
@@ -98,7 +98,7 @@ export function meshEdges(mesh: TriangleMesh, edge_angle_deg: number): BufferGeo
   triangles.forEach((from, corner) => {
     const face = Math.floor(corner / 3);
     const to = triangles[3 * face + ((corner + 1) % 3)]!;
-    // The face on the other side passes this edge the other way: each is looked at once.
+    // The face on the other side has this edge in the opposite direction: each edge is tested once.
     if (from > to) return;
     let sharp = false;
     faces.forEachAt(from, (other) => {
@@ -109,7 +109,7 @@ export function meshEdges(mesh: TriangleMesh, edge_angle_deg: number): BufferGeo
   return new BufferGeometry().setAttribute('position', new Float32BufferAttribute(lines, 3));
 }
 
-/** Every triangle flat. */
+/** Returns the mesh with flat triangles. */
 export function flatGeometry({ points_m, triangles }: TriangleMesh): BufferGeometry {
   const shared = new BufferGeometry()
     .setAttribute('position', new Float32BufferAttribute(points_m, 3))

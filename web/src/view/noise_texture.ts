@@ -1,5 +1,5 @@
-// Roughness for grains and ground: a block of noise that repeats in all directions, with its slope, so that one look
-// tells how bright a point is and which way its surface leans. Cheaper than working noise out in every pixel, by far.
+// Roughness for particles and ground: a block of noise that repeats in all directions, with its slope. One lookup gives
+// the brightness of a point and the slope of its surface. That is far cheaper than computing noise in every pixel.
 
 import { Data3DTexture, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping, RGBAFormat } from 'three';
 
@@ -40,9 +40,10 @@ function valueNoise(cells: number, random: () => number): Float32Array {
   return block;
 }
 
-/** Red: height 0 to 1; green, blue, alpha: its slope along x, y, z about 0.5. One period a unit of the coordinates. */
+/** Makes the texture. Red: height 0 to 1; green, blue, alpha: its slope along x, y, z about 0.5. One period per unit
+ * of the coordinates. */
 export function makeNoiseTexture(): Data3DTexture {
-  // A seed of its own, so that pictures can be compared.
+  // A fixed seed, so that pictures are reproducible.
   let seed = 20210;
   const random = (): number => (seed = (seed * 16807) % 2147483647) / 2147483647;
   const block = new Float32Array(SIDE ** 3);

@@ -1,5 +1,5 @@
-// How often frames are drawn where the processor draws them: the loop that computes the soil needs it too. With a
-// graphics card every frame that the screen shows is drawn.
+// Frame rate in software rendering, because the loop that computes the soil also needs the processor. With a graphics
+// card every frame of the screen is drawn.
 
 const SCREEN_MS = 1000 / 60;
 const SOFTWARE_MS = 1000 / 12;
@@ -28,7 +28,7 @@ export class Pace {
     this.next_ms = now_ms + this.interval_ms - SCREEN_MS / 2;
   }
 
-  /** Ticks of the loop so far, and deadlines that it missed: frames become fewer while it is late. */
+  /** Evaluates the loop's ticks and missed deadlines so far: the frame rate is reduced while it is late. */
   watchLoop(ticks: number, misses: number): void {
     if (!this.software) return;
     if (this.from === null || ticks < this.from.ticks) this.from = { ticks, misses };

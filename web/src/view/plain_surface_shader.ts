@@ -1,5 +1,5 @@
-// The bed and the ground around it for machines that are slow at drawing. Light is computed at the corners of the mesh,
-// and a pixel costs two samples of a tile in which the light on small grains is already contained.
+// The bed and the ground around it for machines with slow graphics. Light is computed at the corners of the mesh. A
+// pixel costs two samples of a tile that already contains the light on small grains.
 
 import { REGOLITH_SHADER } from './regolith_shader';
 
@@ -8,18 +8,18 @@ precision highp float;
 precision highp int;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-in vec3 position;               // z: 0, or how far below the ground the far part goes under the near one
+in vec3 position;               // z: 0, or the depth of the far mesh under the near one
 ${REGOLITH_SHADER}
 uniform vec2 u_cell_m;
-uniform sampler2D u_state;      // speed, force and sleep of the particle at the top
+uniform sampler2D u_state;      // speed, force and sleep of the topmost particle
 uniform vec3 u_horizon;
 uniform float u_haze_m;
 uniform float u_tile_m;
 out vec2 v_at_m;
-out vec2 v_tile;                // place in the tile
-out vec4 v_lit;                 // colour in the sun; how much of the tile is seen
+out vec2 v_tile;                // position in the tile
+out vec4 v_lit;                 // colour in the sun; visibility of the tile
 out vec4 v_shaded;              // colour in shadow; height over the shadow, in radii
-out vec2 v_sun_haze;            // sun past tool and what flies; share of the horizon
+out vec2 v_sun_haze;            // sun past tool and flying particles; fraction of the horizon
 
 void main() {
   vec4 here = surfaceAt(position.xy);
@@ -46,9 +46,9 @@ void main() {
   albedo *= 1.0 - 0.08 * clamp(length(here.zw) / (0.8 * u_radius_m), 0.0, 1.0);
 
   v_at_m = at_m.xy;
-  // What lies on the soil goes with it.
+  // The pattern moves with the soil.
   v_tile = (at_m.xy - here.zw) / u_tile_m;
-  // A tile seen from above is drawn out on a steep wall.
+  // A tile seen from above is stretched on a steep wall.
   v_lit = vec4(toScreen(litSoil(albedo, normal, to_eye, 1.0, sky)),
                (1.0 - u_flatness) * mix(0.35, 1.0, smoothstep(0.45, 0.85, normal.z)));
   v_shaded = vec4(toScreen(litSoil(albedo, normal, to_eye, 0.0, sky)), (here.x - here.y) / u_radius_m);
@@ -59,7 +59,7 @@ void main() {
 
 export const PLAIN_SURFACE_FRAGMENT_SHADER = /* glsl */ `
 precision highp float;
-uniform sampler2D u_plain_tile; // light on small grains over that on level soil, halved: in the sun, in shadow
+uniform sampler2D u_plain_tile; // light on small grains relative to level soil, halved: in the sun, in shadow
 uniform vec2 u_box_half_m;
 uniform vec3 u_screen_horizon;
 uniform float u_edge_m;         // radius at which the ground ends
@@ -79,7 +79,7 @@ void main() {
   vec2 tile = 1.0 + v_lit.a * (fine + 0.5 * coarse - 0.75) * 2.0;
   float sun = v_sun_haze.x * clamp(10.0 * v_shaded.a + 0.3, 0.0, 1.0);
   vec3 colour = mix(v_shaded.rgb * tile.y, v_lit.rgb * tile.x, sun);
-  // Where the soil that can be dug ends.
+  // Boundary of the soil that can be dug.
   vec2 beyond_m = abs(v_at_m) - u_box_half_m;
   float outside_m = max(beyond_m.x, beyond_m.y);
   float line = clamp(1.57 - 1.43 * abs(outside_m) / fwidth(outside_m), 0.0, 1.0);

@@ -1,7 +1,7 @@
-// How soil sends light back, and what the shaders of the picture of grains know about its surface. Soil of airless
-// bodies is no matt paint: it is as bright at its edge as in the middle, as the full Moon is (Lommel-Seeliger), and it
-// brightens where one looks away from the sun, because grains then hide their own shadows. Hapke, Theory of Reflectance
-// and Emittance Spectroscopy, 2nd ed., Cambridge 2012: chapters 8 and 9; his B is u_surge / (1 + tan(g/2) / SURGE_WIDTH).
+// Reflectance of soil, and access to its surface for the shaders of the realistic view. Soil of airless bodies is not
+// matt: it is as bright at its edge as at its centre, as the full Moon is (Lommel-Seeliger). It is brighter when
+// looking away from the sun, because grains then hide their shadows. Hapke, Theory of Reflectance and Emittance
+// Spectroscopy, 2nd ed., Cambridge 2012: chapters 8 and 9; Hapke's B is u_surge / (1 + tan(g/2) / SURGE_WIDTH).
 
 import type { Color, DataTexture, IUniform } from 'three';
 import { LIGHT_SHADER, type LightUniforms } from './light_shader';
@@ -22,13 +22,13 @@ ${LIGHT_SHADER}
 #define SURGE_WIDTH 0.11
 uniform sampler2D u_surface;    // heights of the surface and of the shadow over it, drift along x and y, in m
 uniform sampler2D u_tile;       // slopes along x and y, brightness, sun
-uniform float u_level_m;        // of the ground around
+uniform float u_level_m;        // height of the ground around
 uniform vec3 u_soil;
 uniform float u_lunar;          // 0 matt, 1 as an airless body
-uniform float u_surge;          // how much brighter it is opposite to the sun
-uniform float u_sky;            // share of the fill that reaches shadows
+uniform float u_surge;          // increase in brightness opposite to the sun
+uniform float u_sky;            // fraction of the fill light that reaches shadows
 uniform int u_colour_mode;      // 0 plain, 1 force, 2 speed, 3 depth, 4 sleep
-uniform float u_flatness;       // 0 lit like soil; towards 1, colours are shown as the legend has them
+uniform float u_flatness;       // 0 lit like soil; towards 1, colours match the legend
 uniform float u_depth_range_m;
 uniform vec3 u_map[9];
 uniform vec3 u_asleep;
@@ -38,7 +38,7 @@ bool inField(vec2 uv) {
   return all(greaterThan(uv, vec2(0.0))) && all(lessThan(uv, vec2(1.0)));
 }
 
-// Beside the field there is level ground in the sun.
+// Outside the field there is level ground in the sun.
 vec4 surfaceAt(vec2 at_m) {
   vec2 uv = (at_m - u_field_rect.xy) * u_field_rect.zw;
   return inField(uv) ? textureLod(u_surface, uv, 0.0) : vec4(u_level_m, -1.0, 0.0, 0.0);

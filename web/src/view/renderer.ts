@@ -1,5 +1,5 @@
-// What draws: WebGL 2, or nothing where the browser has none. Numbers, plots and controls need no picture, so the page
-// goes on without one and says so in its place.
+// The renderer: WebGL 2, or nothing where the browser does not support it. Numbers, plots and controls need no picture,
+// so the page continues without one and shows a note in its place.
 
 import { WebGLRenderer } from 'three';
 
@@ -21,11 +21,11 @@ interface Made {
   renderer: Renderer;
   /** false: the browser has no WebGL 2 */
   draws: boolean;
-  /** the processor draws */
+  /** rendering in software, by the processor */
   software: boolean;
 }
 
-/** WebGL 2 where there is any; else what keeps the page's beat and draws nothing. */
+/** Makes a WebGL 2 renderer if possible; otherwise one that keeps the page's animation loop and draws nothing. */
 export function makeRenderer(full_quality: boolean): Made {
   try {
     const canvas = full_quality ? null : canvasInSoftware();
@@ -39,7 +39,7 @@ export function makeRenderer(full_quality: boolean): Made {
   }
 }
 
-/** A canvas with a context, where there is no graphics card; a second context would take longer. */
+/** Returns a canvas with a context for software rendering; a second context would take longer. */
 function canvasInSoftware(): HTMLCanvasElement | null {
   const canvas = document.createElement('canvas');
   const gl = canvas.getContext('webgl2', { alpha: false, antialias: false });

@@ -1,13 +1,13 @@
-// Fewer pixels when frames are slow, more when there is time: soil that follows the hand matters more than sharp soil.
+// Lower resolution when frames are slow, higher when there is time: low latency matters more than sharp soil.
 
 const LOWEST_RATIO = 0.4;
-// Where the processor draws, more pixels would take time from the loop.
+// In software rendering, more pixels would take time from the loop.
 const SOFTWARE_RATIO = 0.6;
 const SAMPLES = 20;
 // Slow frames are judged by fewer samples, so that a judgement does not take a minute.
 const FEWEST_SAMPLES = 3;
 const LONGEST_LOOK_MS = 2000;
-// Of the interval that is wanted between two frames.
+// Ratio of the actual to the intended interval between frames.
 const SLOW = 1.8;
 const QUICK = 1.08;
 const QUICK_ROUNDS = 12;
@@ -30,7 +30,7 @@ export class Resolution {
     this.detailed = !software;
   }
 
-  /** Another screen, or another zoom of the browser: a step down that was needed stays. */
+  /** Sets another screen or zoom of the browser; a reduction of the resolution is kept. */
   setScreen(screen_ratio: number): void {
     const share = this.ratio / this.highest_ratio;
     this.highest_ratio = this.highestOf(screen_ratio);
@@ -42,12 +42,12 @@ export class Resolution {
     return this.software ? Math.max(LOWEST_RATIO, SOFTWARE_RATIO * screen_ratio) : screen_ratio;
   }
 
-  /** Nothing was drawn for a while: the next interval between two frames has no meaning. */
+  /** Drops the last time, because nothing was drawn for a while: the next interval is not valid. */
   rest(): void {
     this.last_ms = null;
   }
 
-  /** Called once for every frame drawn; true when `ratio` or `detailed` changed. */
+  /** Measures the interval. Called once for every frame drawn; true when `ratio` or `detailed` changed. */
   drawn(now_ms: number, wanted_ms = 1000 / 60): boolean {
     if (!this.adaptive) return false;
     if (this.last_ms !== null) this.deltas_ms.push(now_ms - this.last_ms);
@@ -68,7 +68,7 @@ export class Resolution {
       if (this.detailed) return this.set(this.ratio, false);
       return this.set(this.ratio * 0.85, false);
     }
-    // Going up needs several quick rounds, so that the picture does not swing between two resolutions.
+    // Increasing needs several quick rounds, so that the picture does not oscillate between two resolutions.
     this.quick_rounds = slowness < QUICK ? this.quick_rounds + 1 : 0;
     if (this.quick_rounds < QUICK_ROUNDS) return false;
     this.quick_rounds = 0;

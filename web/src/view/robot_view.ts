@@ -1,4 +1,4 @@
-// Where a robot far away has its tool, as it was last heard of: an outline that glides from one report to the next.
+// Last reported tool pose of a remote robot: an outline that glides from one report to the next.
 
 import { isSameTool, type Robot, type Tool } from 'haptolith-protocol';
 import {
@@ -58,7 +58,7 @@ export class RobotView {
     }
   }
 
-  /** null: no robot follows, or it has fallen silent */
+  /** Sets the robot's last report; null: no robot follows, or it is silent. */
   setRobot(robot: Robot | null, now_ms: number): void {
     const shown = robot?.heard === true;
     if (shown) {
@@ -77,7 +77,7 @@ export class RobotView {
     this.group.visible = shown;
   }
 
-  /** Whether it still moves. */
+  /** Advances the motion; true while it continues. */
   advance(now_ms: number): boolean {
     if (!this.heard_of || this.since_ms === -Infinity) return false;
     const share = Math.min(1, Math.max(0, (now_ms - this.since_ms) / GLIDE_MS));

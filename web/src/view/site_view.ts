@@ -1,5 +1,5 @@
-// The soil that a robot far away digs in, as its operator knows it: a block with that surface and the robot's tool, seen
-// from where the bed itself is seen from, in a corner of the picture.
+// The soil at a remote robot's site, as its operator knows it: a block with that surface and the robot's tool. It is
+// seen from the eye of the bed, in a corner of the picture.
 
 import type { Robot, Scene, Site } from 'haptolith-protocol';
 import {
@@ -19,10 +19,10 @@ import { LOW_SUN } from './light_shader';
 import { RobotView } from './robot_view';
 
 const BACKGROUND = '#10151a';
-// So far below its lowest place, of its longer side, the block ends.
+// Depth of the block's bottom below its lowest point, as a fraction of its longer side.
 const BELOW = 0.08;
 const WIDEST_FOV_DEG = 75;
-// The sphere around the block may reach out of the picture by so much: the block does not fill it.
+// Fraction of the bounding sphere that is in the picture, because the block does not fill it.
 const FILLS = 0.85;
 
 export class SiteView {
@@ -55,7 +55,7 @@ export class SiteView {
     if (this.shown) this.build(this.shown);
   }
 
-  /** Whether anything has changed. */
+  /** Sets the robot's last report; true if the site has changed. */
   setRobot(robot: Robot | null, now_ms: number): boolean {
     const site = robot?.site ?? null;
     const before = this.shown;
@@ -66,12 +66,12 @@ export class SiteView {
     return changed;
   }
 
-  /** Whether the tool still moves. */
+  /** Advances the tool's motion; true while it continues. */
   advance(now_ms: number): boolean {
     return this.tool.advance(now_ms);
   }
 
-  /** From where the bed is seen, all of the site in the picture. */
+  /** Returns a camera at the eye of the bed with the complete site in its picture. */
   cameraBeside(camera: PerspectiveCamera, aspect: number): PerspectiveCamera {
     const { center, radius } = this.block.geometry.boundingSphere!;
     this.camera.up.copy(camera.up);
@@ -97,7 +97,7 @@ function isSame(a: Site, b: Site): boolean {
   return a.columns === b.columns && a.heights_mm.every((height, i) => height === b.heights_mm[i]);
 }
 
-/** The surface through the middles of all cells, and sides down from its edge. Unknown cells are holes. */
+/** Builds the surface through the centres of all cells, and sides down from its edge. Unknown cells are holes. */
 export function blockOf(site: Site, surface_m: number): BufferGeometry {
   const { columns, rows, cell_m } = site;
   const [x_m, y_m] = site.corner_m as [number, number];
@@ -117,7 +117,7 @@ export function blockOf(site: Site, surface_m: number): BufferGeometry {
       const around = [first, first + 1, first + columns + 1, first + columns] as const;
       if (around.every((cell) => known[cell] !== null)) quad(...around);
     }
-  // Sides have corners of their own, so that the edge is sharp.
+  // Sides have separate corners, so that the edge is sharp.
   const wall = (from: [number, number], step: [number, number], count: number): void => {
     for (let i = 0; i + 1 < count; ++i) {
       const ends = [i, i + 1].map((k) => [from[0] + k * step[0], from[1] + k * step[1]] as [number, number]);

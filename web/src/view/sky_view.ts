@@ -1,10 +1,10 @@
-// The sky of the body: colour from horizon to zenith, stars, the sun, and a companion that is really seen from there
-// (larger than life). It is drawn around the eye, behind everything.
+// The sky of the body: colour from horizon to zenith, stars, the sun, and a companion that is visible there (larger
+// than life). It is drawn around the eye, behind everything.
 
 import { BackSide, Color, GLSL3, Mesh, ShaderMaterial, SphereGeometry, Vector3 } from 'three';
 import { lookOf } from './body_looks';
 
-// The ground hides what is lower; a little more is drawn, so that nothing is left open.
+// The ground hides lower directions; a small overlap avoids a gap.
 const LOWEST_RAD = (2 * Math.PI) / 180;
 const COMPANIONS = { earth: 1, jupiter: 2, charon: 3 } as const;
 
@@ -83,8 +83,8 @@ vec3 companionColour(vec3 p) {
 
 void main() {
   vec3 way = normalize(v_way);
-  // A renderer without a graphics card works out both branches of an "if", but no loop that does not begin: that is why
-  // there are loops here that run once.
+  // A renderer without a graphics card computes both branches of an "if", but skips a loop without iterations.
+  // Therefore some loops here run once.
   float up = clamp(way.z, 0.0, 1.0);
   vec3 colour = mix(u_horizon, u_zenith, pow(up, 0.45));
   for (int stars = u_stars > 0.0 ? 0 : 1; stars < 1; ++stars) colour += u_stars * starlight(way);
@@ -137,11 +137,11 @@ export class SkyView {
     });
     this.mesh = new Mesh(skyDown(Math.PI / 2 + LOWEST_RAD), material);
     this.mesh.frustumCulled = false;
-    // After everything solid, so that only the pixels where there is sky are worked out.
+    // After all solid objects, so that only pixels with sky are computed.
     this.mesh.renderOrder = 2;
   }
 
-  /** Whether there is sky below the horizon, too: around a table there is. */
+  /** Sets whether there is also sky below the horizon, as around a table. */
   setAround(around: boolean): void {
     this.mesh.geometry.dispose();
     this.mesh.geometry = skyDown(around ? Math.PI : Math.PI / 2 + LOWEST_RAD);
@@ -161,7 +161,7 @@ export class SkyView {
   }
 }
 
-/** From straight up to so far down. */
+/** Returns the part of a sphere from the zenith down to an angle. */
 function skyDown(angle_rad: number): SphereGeometry {
   return new SphereGeometry(1, 32, 16, 0, 2 * Math.PI, 0, angle_rad).rotateX(Math.PI / 2) as SphereGeometry;
 }

@@ -1,10 +1,10 @@
-// The soil as one surface: what a bed of far finer grains would look like from above. Macroparticles stand for soil, so
-// their round tops are not shown: gaps between them are filled and bumps smoothed, and the ground around the box takes
-// the bed up at its own level. Beside the height, the shaders learn how high the shadow of the sun reaches over each
-// point and how far the soil there has come since the scene began, so that what they draw on it moves with it.
+// The soil as one surface: how a bed of far finer particles would appear from above. A particle represents soil, so its
+// round top is not shown: gaps are filled and bumps smoothed. The ground around the box continues the bed at its level.
+// In addition to the height, the shaders get the height of the sun's shadow over each point, and the drift of the soil
+// there since the scene began, so that patterns on it move with it.
 //
-// What the tool carries or throws lies above the surface and is no part of it: it is listed, as are the particles that
-// can be seen, for soil_view.ts to draw.
+// Soil that the tool carries or throws is above the surface and not part of it. It is listed, as are the visible
+// particles, for soil_view.ts to draw.
 
 import { dequantise, type Scene } from 'haptolith-protocol';
 import { DataTexture, DataUtils, HalfFloatType, LinearFilter, RGBAFormat, RGFormat, type Vector4 } from 'three';
@@ -15,21 +15,21 @@ import { ballAround, HeightOrder, raiseTriangles, type Grid } from './height_gri
 
 const LARGEST_SIDE = 192;
 const CELLS_PER_RADIUS = 3;
-// How steeply the ground around the box goes up or down to a heap or a pit at its edge.
+// Slope of the ground around the box towards a heap or a pit at its edge.
 const EDGE_SLOPE = 0.8;
 const MARGIN_RADII = 6;
-// Centres of soil that is held behind the sides are no farther out than this.
+// Maximum reach of the centres of soil that is held behind the sides.
 const MOST_HELD_RADII = 2;
-// With a gap between these below its lowest point, a particle lies less and less on the bed.
+// With a gap below its lowest point between these limits, a particle counts less and less as part of the bed.
 const LYING_RADII = 0.3;
 const ALOFT_RADII = 1.5;
-// Particles whose top is farther below the surface than this are not seen.
+// Particles whose centre is deeper than this below the surface are not visible.
 const SEEN_RADII = 1.6;
-// Particles with their centre less deep than this rise above the surface, or are about to.
+// Particles whose centre is less deep than this rise above the surface, or are about to.
 const RISEN_RADII = 0.3;
-// A corner of the box, in which a packing of spheres leaves a hole that nobody has dug, is so wide; where so much of the
-// soil around it, up to the second width, is level, nobody has dug there. Soil that is dug this near to a corner lowers
-// what the corner is filled up to.
+// Width of a box corner, in which a packing of spheres leaves a hole. If at least LEVEL_SHARE of the soil around it, up
+// to the second width, is level, the hole is not the result of digging. Digging within the last distance of a corner
+// lowers the height to which the corner is filled.
 const CORNER_RADII = 4;
 const AROUND_CORNER_RADII = 6;
 const LEVEL_SHARE = 0.9;
@@ -44,21 +44,21 @@ export class SoilSurface implements Grid {
   readonly length_m: number;
   readonly cell_width_m: number;
   readonly cell_length_m: number;
-  /** height of the surface, of the shadow over it, and how far the soil has come along x and y, all in m */
+  /** heights of the surface and of the shadow over it, and drift of the soil along x and y, all in m */
   readonly texture: DataTexture;
-  /** height of all that stands there, and smoothed; as HeightField has it */
+  /** height including stones, and smoothed; as in HeightField */
   readonly standing: DataTexture;
   top_m = 0;
   /** height of the ground around, in m */
   level_m: number;
-  /** what lies above it */
+  /** soil above the surface */
   readonly aloft: Aloft;
-  /** particles that can be seen; the first `seen_count` are valid, and the first `risen_count` rise above the surface */
+  /** visible particles; the first `seen_count` are valid, and the first `risen_count` rise above the surface */
   readonly seen: Uint32Array;
   seen_count = 0;
   risen_count = 0;
 
-  /** the particle at the top of each cell */
+  /** the topmost particle of each cell */
   readonly topmost: Uint32Array;
 
   private readonly bed: Float32Array;
@@ -71,15 +71,15 @@ export class SoilSurface implements Grid {
   private readonly halves: Uint16Array;
   private readonly standing_halves: Uint16Array;
   private readonly order = new HeightOrder();
-  /** where each particle was first, x and y */
+  /** initial x and y of each particle */
   private readonly from_m: Float32Array;
   private from_known = false;
-  /** how far beyond the box there are centres of held soil along x and y, in m */
+  /** distance along x and y to which centres of held soil extend beyond the box, in m */
   private readonly held_m: [x: number, y: number] = [0, 0];
-  /** heights at first, with the holes in the corners */
+  /** initial heights, with the holes in the corners */
   private first_bed: Float32Array | null = null;
   private first_level_m = 0;
-  /** cells of the corners that nobody had dug in at first */
+  /** cells of the corners without digging at the start */
   private corner_cells: number[] = [];
 
   constructor(
@@ -120,7 +120,8 @@ export class SoilSurface implements Grid {
     for (const texture of [this.texture, this.standing]) texture.magFilter = texture.minFilter = LinearFilter;
   }
 
-  /** As HeightField.build; `thickness_m`: of the tool, whose thickness between soil and soil is no gap. */
+  /** Builds the surface, as HeightField.build; `thickness_m` is the tool's, and not a gap between soil above and
+   * below it. */
   build(
     records: Uint16Array,
     particles: number,
@@ -143,7 +144,7 @@ export class SoilSurface implements Grid {
     this.blur(this.drift_y, this.drift_y, 0.6 * radius_m);
     this.blur(this.surface, this.wide, 1.6 * radius_m);
     this.findSeen(records, particles);
-    // From here on, `bed` is what stands there, stones too.
+    // From here on, `bed` includes stones.
     this.bed.set(this.surface);
     this.aloft.gather();
     for (const triangles_m of stones_m) this.layStone(triangles_m);
@@ -151,7 +152,7 @@ export class SoilSurface implements Grid {
     this.upload();
   }
 
-  /** Height of the surface at a point, in m; the level ground beside the field. */
+  /** Returns the height of the surface at a point, in m; that of the level ground outside the field. */
   heightAt(x_m: number, y_m: number): number {
     const column = Math.floor((x_m - this.low_x_m) / this.cell_width_m);
     const row = Math.floor((y_m - this.low_y_m) / this.cell_length_m);
@@ -159,7 +160,7 @@ export class SoilSurface implements Grid {
     return this.surface[row * this.columns + column]!;
   }
 
-  /** Whether the sun does not reach the surface at a point. */
+  /** Whether a point of the surface is in shadow. */
   isShaded(x_m: number, y_m: number): boolean {
     const column = Math.floor((x_m - this.low_x_m) / this.cell_width_m);
     const row = Math.floor((y_m - this.low_y_m) / this.cell_length_m);
@@ -167,7 +168,7 @@ export class SoilSurface implements Grid {
     return this.shadow[at]! > this.surface[at]!;
   }
 
-  /** Balls that cast the shadow of what is aloft, as HeightField has them. */
+  /** Spheres that cast the shadow of soil aloft, as in HeightField. */
   get flying_m(): Vector4[] {
     return this.aloft.balls_m;
   }
@@ -196,7 +197,7 @@ export class SoilSurface implements Grid {
     });
   }
 
-  /** Lays the round tops of the particles over each other; lists those under which there is nothing. */
+  /** Raises the bed to the round tops of the particles; lists those without support. */
   private lay(records: Uint16Array, particles: number, carrier: (Carrier & { thickness_m: number }) | null): void {
     const { bed, drift_x, drift_y, columns, rows, low_x_m, low_y_m, cell_width_m: dx, cell_length_m: dy } = this;
     const { low_m, high_m } = this.scene.quantised;
@@ -240,7 +241,7 @@ export class SoilSurface implements Grid {
     }
   }
 
-  /** 1 on the soil laid so far, 0 above it; between them, it leaves the bed without a jump. */
+  /** Returns 1 on the soil added so far, 0 above it; a smooth transition between them avoids a jump of the bed. */
   private liesOnBed(
     x_m: number,
     y_m: number,
@@ -265,7 +266,7 @@ export class SoilSurface implements Grid {
     return 1 - bounded * bounded * (3 - 2 * bounded);
   }
 
-  /** Carries the bed on into the ground around. What is held or heaped behind the box's sides stays where it is higher. */
+  /** Continues the bed into the ground around it. Higher soil that is held or heaped behind the box's sides is kept. */
   private extend(): void {
     const inset_m = 0.8 * this.scene.radius_m;
     const { columns, rows, bed, drift_x, drift_y, topmost } = this;
@@ -290,7 +291,7 @@ export class SoilSurface implements Grid {
     }
   }
 
-  /** Remembers the bed as it is first seen, and which of its corners are whole. */
+  /** Stores the initial bed, and which of its corners are undisturbed. */
   private rememberCorners(): void {
     const { box, radius_m } = this.scene;
     if (box.periodic_x || box.periodic_y) return;
@@ -314,7 +315,7 @@ export class SoilSurface implements Grid {
     this.first_bed = this.bed.slice();
   }
 
-  /** Holes in corners are as high as the level bed, less what has been dug beside them since. */
+  /** Fills holes in corners up to the level bed, less the depth of later digging next to them. */
   private fillCorners(): void {
     const { first_bed, bed, wide: dug } = this;
     if (!first_bed || this.corner_cells.length === 0) return;
@@ -323,13 +324,13 @@ export class SoilSurface implements Grid {
     for (const at of this.corner_cells) bed[at] = Math.max(bed[at]!, this.first_level_m - dug[at]!);
   }
 
-  /** Number of the corner that a cell is in, with the ground beyond it; -1: in none. Corners are squares. */
+  /** Returns the index of the corner that contains a cell, with the ground beyond it; -1: none. Corners are squares. */
   private cornerOf(at: number, radii: number): number {
     if (Math.max(...this.fromEdges_m(at)) >= radii * this.scene.radius_m) return -1;
     return (at % this.columns < this.columns / 2 ? 0 : 1) + (at < (this.columns * this.rows) / 2 ? 0 : 2);
   }
 
-  /** How far a cell is inside the edges along x and y; negative outside. */
+  /** Returns the distance of a cell inside the edges along x and y; negative outside. */
   private fromEdges_m(at: number): [x_m: number, y_m: number] {
     const x_m = this.low_x_m + ((at % this.columns) + 0.5) * this.cell_width_m;
     const y_m = this.low_y_m + (Math.floor(at / this.columns) + 0.5) * this.cell_length_m;
@@ -340,7 +341,7 @@ export class SoilSurface implements Grid {
     blurTwice(from, to, this.scratch, this, reach_m);
   }
 
-  /** What is called the surface is where the tops of particles are, about; smoothed, they lie a little lower. */
+  /** Computes the level: about the height of the particles' tops, which smoothing lowers slightly. */
   private findLevel(): void {
     const { columns, rows } = this;
     const inside = this.surface.filter((_, at) => {
@@ -352,7 +353,7 @@ export class SoilSurface implements Grid {
     if (Math.abs(median_m - this.level_m) < 2 * this.scene.radius_m) this.level_m = median_m;
   }
 
-  /** Beside the box, heaps and pits run out into the level ground. */
+  /** Blends heaps and pits next to the box into the level ground. */
   private meetGround(): void {
     const { columns, rows, surface } = this;
     const { width_m, length_m } = this.scene.box;
@@ -368,7 +369,7 @@ export class SoilSurface implements Grid {
         const at = row * columns + column;
         const share = Math.min(1, beyond_m / (margin_m - 2 * this.cell_width_m));
         const above_m = surface[at]! - this.level_m;
-        // Heaps lie on held soil, which is not dug: pits end at the box.
+        // Heaps rest on held soil, which is not dug: pits end at the box.
         const sloping_m = above_m > 0 ? outside(beyond_x_m - held_x_m, beyond_y_m - held_y_m) : beyond_m;
         const left_m = Math.max(0, Math.abs(above_m) - EDGE_SLOPE * sloping_m) * (1 - share * share);
         surface[at] = this.level_m + Math.sign(above_m) * left_m;
@@ -397,7 +398,8 @@ export class SoilSurface implements Grid {
     }
   }
 
-  /** Puts a stone on what is there, or lists it in place of the last ball when it flies. */
+  /** Raises the heights to a stone; a flying stone is listed instead, and replaces the last sphere if the list is
+   * full. */
   private layStone(triangles_m: Float32Array): void {
     const ball = ballAround(triangles_m);
     if (ball.lowest_m - this.heightAt(ball.x_m, ball.y_m) <= this.scene.radius_m)

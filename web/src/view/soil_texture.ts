@@ -1,5 +1,5 @@
-// What regolith looks like from near: a tile of powder with angular grains in it, many small ones and few large ones, as
-// sieves find them. Worked out once, when the page opens, so that a look into it is all that a pixel costs.
+// Close-up of regolith: a tile of powder with angular grains in it, many small ones and few large ones, as in sieve
+// curves. Computed once when the page opens, so that a pixel costs only a lookup.
 
 import {
   DataTexture,
@@ -15,23 +15,23 @@ export const SIDE = 512;
 const PLAIN_SIDE = 256;
 const SMALLEST_PX = 1.3;
 const LARGEST_PX = 17;
-// So many grains are larger than r: COUNT (SMALLEST_PX / r)^POWER.
+// Number of grains larger than r: COUNT (SMALLEST_PX / r)^POWER.
 const COUNT = 20_000;
 const POWER = 2.5;
 const CORNERS = 6;
-// Slopes up to this are kept.
+// Maximum stored slope.
 export const STEEPEST = 2;
 
-/** Heights in pixels, and which share of the light each point sends back, about 0.5. */
+/** Makes heights in pixels, and the albedo of each point, about 0.5. */
 export function regolithTile(random: () => number, side = SIDE): { heights: Float32Array; albedo: Float32Array } {
   const heights = new Float32Array(side * side);
   const albedo = new Float32Array(side * side).fill(0.5);
   const scale = side / SIDE;
   powder(heights, random, side);
   const base = heights.slice();
-  // A coarser tile leaves out the grains that are smaller than its pixels.
+  // A coarser tile omits grains smaller than its pixels.
   const count = Math.round(COUNT * scale ** POWER);
-  // Large ones first: powder and small grains lie on them and against them.
+  // Large ones first: powder and small grains rest on them and against them.
   for (let nth = 0; nth < count; ++nth) {
     const radius_px = scale * Math.min(LARGEST_PX, SMALLEST_PX * ((nth + 0.5) / COUNT) ** (-1 / POWER));
     layGrain(heights, albedo, base, radius_px, random, side);
@@ -39,7 +39,7 @@ export function regolithTile(random: () => number, side = SIDE): { heights: Floa
   return { heights, albedo };
 }
 
-/** Waves of several lengths that go on across the tile's edges. */
+/** Adds waves of several lengths that are periodic across the tile's edges. */
 function powder(heights: Float32Array, random: () => number, side: number): void {
   for (const [cells, weight] of [
     [8, 9],
@@ -66,7 +66,7 @@ function powder(heights: Float32Array, random: () => number, side: number): void
   }
 }
 
-/** One grain: a block with flat faces, sunk into the powder. */
+/** Adds one grain: a block with flat faces, sunk into the powder. */
 function layGrain(
   heights: Float32Array,
   albedo: Float32Array,
@@ -99,7 +99,7 @@ function layGrain(
     }
 }
 
-/** 1 where the sun reaches the tile, 0 in the shadow of a grain; the tile repeats in all directions. */
+/** Returns 1 where the sun reaches the tile, 0 in the shadow of a grain; the tile repeats in all directions. */
 export function tileSun(heights: Float32Array, to_sun: { x: number; y: number; z: number }, side = SIDE): Float32Array {
   const [main, other] = Math.abs(to_sun.x) >= Math.abs(to_sun.y) ? [to_sun.x, to_sun.y] : [to_sun.y, to_sun.x];
   const [line_stride, cell_stride] = main === to_sun.x ? [1, side] : [side, 1];
@@ -110,7 +110,7 @@ export function tileSun(heights: Float32Array, to_sun: { x: number; y: number; z
   const sun = new Float32Array(side * side);
   let before = new Float32Array(side).fill(-Infinity);
   let now = new Float32Array(side);
-  // Once for the shadows that come over the tile's edge, once to keep.
+  // Two passes: one for the shadows that cross the tile's edge, one for the result.
   for (let nth = 0; nth < 2 * side; ++nth) {
     const line = (main > 0 ? 2 * side - 1 - nth : nth) & (side - 1);
     for (let cell = 0; cell < side; ++cell) {
@@ -129,7 +129,7 @@ export function tileSun(heights: Float32Array, to_sun: { x: number; y: number; z
 
 type Sun = { x: number; y: number; z: number };
 
-/** Red, green: slope along x and y about 0.5; blue: brightness about 0.5; alpha: sun. */
+/** Makes the texture. Red, green: slope along x and y about 0.5; blue: brightness about 0.5; alpha: sun. */
 export function makeSoilTexture(to_sun: Sun): DataTexture {
   const data = new Uint8Array(4 * SIDE * SIDE);
   eachPixel(SIDE, to_sun, (i, slope_x, slope_y, albedo, sun) => {
@@ -144,11 +144,12 @@ export function makeSoilTexture(to_sun: Sun): DataTexture {
   return texture;
 }
 
-/** Brightness on the screen over that of level soil, halved; red: in the sun, green: in shadow. */
+/** Makes the plain texture: brightness on the screen relative to level soil, halved; red: in the sun, green: in
+ * shadow. */
 export function makePlainSoilTexture(to_sun: Sun): DataTexture {
   const data = new Uint8Array(2 * PLAIN_SIDE * PLAIN_SIDE);
   const length = Math.hypot(to_sun.x, to_sun.y, to_sun.z);
-  // As litSoil() in regolith_shader.ts, seen at a slant.
+  // As litSoil() in regolith_shader.ts, at an oblique view.
   const back = (into: number): number => Math.max(0, into) / (Math.max(0, into) + 0.5);
   const level = back(to_sun.z / length);
   eachPixel(PLAIN_SIDE, to_sun, (i, slope_x, slope_y, albedo, sun) => {
@@ -170,7 +171,7 @@ function eachPixel(
   to_sun: Sun,
   put: (i: number, slope_x: number, slope_y: number, albedo: number, sun: number) => void,
 ): void {
-  // A seed of its own, so that pictures can be compared.
+  // A fixed seed, so that pictures are reproducible.
   let seed = 1969;
   const random = (): number => (seed = (seed * 16807) % 2147483647) / 2147483647;
   const { heights, albedo } = regolithTile(random, side);

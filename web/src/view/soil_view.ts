@@ -1,5 +1,5 @@
-// Soil that looks like soil: the bed as one surface that lies in the ground of its body, and over it a swarm of small
-// grains for every macroparticle that can be seen.
+// Realistic soil: the bed as one surface in the ground of its body, and over it a swarm of small grains for every
+// visible particle.
 
 import { COLOUR_MODES, type ColourMode, type Scene } from 'haptolith-protocol';
 import {
@@ -33,13 +33,13 @@ import { surfaceMesh } from './surface_mesh';
 import type { SoilSurface } from './soil_surface';
 import { makePlainSoilTexture, makeSoilTexture } from './soil_texture';
 
-// Small grains in the picture at most, of all particles together, and of one.
+// Maximum number of small grains in the picture, and per particle.
 const BUDGET = { detailed: 120_000, plain: 4_000 } as const;
 const SWARM = { detailed: 150, plain: 26 } as const;
-// Particles so much deeper than the surface, in radii, have no swarm; the plain one is for what leaves the bed.
+// Maximum depth below the surface of particles with a swarm, in radii; in the plain view only those that leave the bed.
 const DEEPEST = { detailed: 1.7, plain: 0.3 } as const;
 const HORIZON_WIDTHS = 120;
-// One tile of fine soil is so wide, in widths of the box.
+// Width of one tile of fine soil, in widths of the box.
 const TILE_WIDTHS = 0.32;
 
 export class SoilView {
@@ -131,7 +131,7 @@ export class SoilView {
     uniforms.u_quantised_high_m.value.set(...scene.quantised.high_m);
   }
 
-  /** Other particles, and the surface that they make. */
+  /** Sets other particles, and their surface. */
   setParticles(field: SoilSurface, radii_m: Float32Array): void {
     this.field = field;
     this.radii_m = radii_m;
@@ -156,7 +156,7 @@ export class SoilView {
     if (detailed === this.detailed) return;
     this.detailed = detailed;
     this.surface.material = this.surface_materials[detailed ? 'detailed' : 'plain'];
-    // Each tile takes a while to compute, so it is made when it is first drawn.
+    // Each tile takes a while to compute, so it is made at its first use.
     const tile = detailed ? this.uniforms.u_tile : this.uniforms.u_plain_tile;
     if (tile.value.image.width === 1) tile.value = detailed ? makeSoilTexture(LOW_SUN) : makePlainSoilTexture(LOW_SUN);
     this.uniforms.u_deepest.value = DEEPEST[detailed ? 'detailed' : 'plain'];
@@ -165,7 +165,7 @@ export class SoilView {
     this.dust.setDetail(detailed);
   }
 
-  /** The ground ends after so many widths of the box; null: at the horizon. */
+  /** Sets the radius at which the ground ends, in widths of the box; null: at the horizon. */
   setEdge(widths: number | null): void {
     this.uniforms.u_edge_m.value = (widths ?? 0) * this.width_m;
     for (const material of Object.values(this.surface_materials)) {
@@ -174,20 +174,20 @@ export class SoilView {
     }
   }
 
-  /** The surface has been built anew. */
+  /** Applies a rebuilt surface. */
   takeSurface(records: Uint16Array): void {
     this.shareOut();
     if (this.mode !== 'plain') this.paintState(records);
     this.takeRecords(records);
   }
 
-  /** What a frame says: fast grains throw dust. Where colours mean a number there is none. */
+  /** Throws dust from the fast particles of a frame. Where colours represent a number, no dust is shown. */
   throwDust(records: Uint16Array, time_s: number): void {
     if (this.mode === 'plain') this.dust.take(records, this.radii_m, time_s);
     else if (this.dust.points.visible) this.dust.forget();
   }
 
-  /** Particles have moved: the swarms go with them at once, the surface follows when it is due. */
+  /** Moves the swarms with their particles at once; the surface follows when it is due. */
   takeRecords(records: Uint16Array): void {
     const { field, grains } = this;
     if (!field) return;
@@ -238,7 +238,7 @@ export class SoilView {
     this.grains.geometry = geometry;
   }
 
-  /** As many small grains a particle as there may be; one more or less comes and goes by its size. */
+  /** Sets the number of small grains per particle within the budget; single ones appear and vanish by their size. */
   private shareOut(): void {
     const how = this.detailed ? 'detailed' : 'plain';
     const seen = Math.max(1, (this.detailed ? this.field?.seen_count : this.field?.risen_count) ?? 1);
@@ -248,7 +248,7 @@ export class SoilView {
     this.grains.geometry.setDrawRange(0, Math.ceil(each));
   }
 
-  /** What the particle at the top of each point carries, for the colours that mean a number. */
+  /** Paints the state of the topmost particle at each point, for the colours that represent a number. */
   private paintState(records: Uint16Array): void {
     const { field } = this;
     if (!field) return;
@@ -264,7 +264,8 @@ export class SoilView {
   }
 }
 
-/** Small grains of a swarm: place in a ball of radius 1, and radius; the first is its core. Many small, few large. */
+/** Makes the small grains of a swarm: position in a sphere of radius 1, and radius; the first is its core. Many
+ * small, few large. */
 export function swarm(count: number): Float32Array {
   let seed = 1970;
   const random = (): number => (seed = (seed * 16807) % 2147483647) / 2147483647;

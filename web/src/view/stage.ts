@@ -1,5 +1,5 @@
-// The picture: everything that stands in it, and when it is drawn. A frame is drawn only when something changed, so a
-// paused bed costs nothing.
+// The picture: all its objects, and the time of drawing. A frame is drawn only when something changed, so a paused bed
+// costs nothing.
 
 import type { ColourMode, Frame, Robot, Scene, Vec3 } from 'haptolith-protocol';
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
@@ -22,7 +22,7 @@ import { StoneView } from './stone_view';
 import { ToolView } from './tool_view';
 
 const HIGHEST_PIXEL_RATIO = 2;
-// Nearer to the edge something is not in the picture, but cut off. The edges are at -1 and 1.
+// Closer to the edge, an object counts as cut off. The edges are at -1 and 1.
 const IN_PICTURE = 0.85;
 const NO_PICTURE =
   'No picture: this browser shows no WebGL 2. Numbers, plots and controls work without it. To see the bed, switch on ' +
@@ -32,9 +32,9 @@ const screenRatio = (): number => Math.min(HIGHEST_PIXEL_RATIO, window.devicePix
 
 export interface StageOptions {
   reduced_motion: boolean;
-  /** always all pixels, for pictures */
+  /** always full resolution, for pictures */
   full_quality: boolean;
-  /** shows nothing that tells what the hand feels or which soil or world it is: no arrows, and every body as the Moon */
+  /** hides all hints at the rendered force, the soil and the world: no arrows, and every body as the Moon */
   neutral?: boolean;
 }
 
@@ -42,10 +42,10 @@ export class Stage {
   readonly renderer: Renderer;
   /** false: the browser has no WebGL 2, and the picture stays empty */
   readonly draws: boolean;
-  /** the processor draws, which has other work too */
+  /** rendering in software, by the processor, which has other work */
   readonly software: boolean;
   readonly world = new World();
-  /** holds all of the scene's frame; a headset's table moves and scales it */
+  /** contains everything in the scene's frame; a headset's table moves and scales it */
   readonly bench = new Group();
   readonly orbit = new OrbitCamera();
   readonly bed: BedView;
@@ -60,13 +60,13 @@ export class Stage {
   frames_drawn = 0;
   /** false: nothing is drawn for now */
   shown = true;
-  /** what lies over the top of the picture */
+  /** element that covers the top of the picture */
   over: HTMLElement | null = null;
-  /** what the picture of a robot's site fills */
+  /** area of the picture of a robot's site */
   site_window: HTMLElement | null = null;
-  /** called as often as the screen is refreshed, for input */
+  /** called at the screen's refresh rate, for input */
   onTick: (now_ms: number) => void = () => {};
-  /** called when a frame may be drawn: other parts of the page that change do so here, which costs least */
+  /** called when a frame may be drawn: other parts of the page update here, which costs least */
   onDue: (now_ms: number) => void = () => {};
   onDrawn: () => void = () => {};
 
@@ -79,7 +79,7 @@ export class Stage {
   private scene: Scene | null = null;
   private frame: Frame | null = null;
   private dirty = true;
-  /** a frame with soil is drawn */
+  /** a frame with soil has been drawn */
   private begun = false;
   private neutral: boolean;
   private given: Scene | null = null;
@@ -119,7 +119,7 @@ export class Stage {
     this.resize();
   }
 
-  /** What the picture shows, for who cannot see it. */
+  /** Describes the picture for screen readers. */
   describe(text: string): void {
     this.renderer.domElement.setAttribute('aria-label', text);
   }
@@ -158,7 +158,7 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** Whether every body looks like the Moon. */
+  /** Sets whether every body looks like the Moon. */
   setNeutral(neutral: boolean): void {
     if (neutral === this.neutral) return;
     this.neutral = neutral;
@@ -176,7 +176,7 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** Where a robot far away has its tool; null: there is none. */
+  /** Sets the last report of a remote robot; null: no robot. */
   setRobot(robot: Robot | null): void {
     const shown = this.robot.group.visible;
     const now_ms = performance.now();
@@ -189,13 +189,13 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** `grains`: soil as it looks, in the ground. `balls`: as it is computed, in a box on the ground. */
+  /** `grains`: realistic soil, in the ground. `balls`: the simulated particles, in a box on the ground. */
   setDrawing(drawing: Drawing): void {
     if (drawing === this.drawing) return;
     this.drawing = drawing;
     const balls = drawing === 'balls';
     this.ground.mesh.visible = this.box.group.visible = balls;
-    // Low light shows how soil lies; balls are clearer in higher one.
+    // Low light shows the relief of soil; spheres are clearer in higher light.
     this.light.u_to_sun.value.copy(balls ? TO_SUN : LOW_SUN);
     this.sun.position.copy(this.light.u_to_sun.value);
     this.bed.setDrawing(drawing);
@@ -204,7 +204,7 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** The ground ends after so many widths of the box; null: at the horizon. */
+  /** Sets the radius at which the ground ends, in widths of the box; null: at the horizon. */
   setEdge(widths: number | null): void {
     this.ground.setEdge(widths);
     this.bed.soil.setEdge(widths);
@@ -229,12 +229,12 @@ export class Stage {
     return this.frame;
   }
 
-  /** Where the tool is in the page, in CSS pixels. */
+  /** Returns the position of the tool in the page, in CSS pixels. */
   toolOnScreen(): { x: number; y: number } | null {
     return this.frame && this.onScreen(this.frame.tool.position_m);
   }
 
-  /** Where a place of the scene is in the page, in CSS pixels. */
+  /** Returns the position of a point of the scene in the page, in CSS pixels. */
   onScreen(at_m: Vec3): { x: number; y: number } {
     const at = new Vector3(...at_m).project(this.orbit.camera);
     const rect = this.renderer.domElement.getBoundingClientRect();
@@ -246,12 +246,12 @@ export class Stage {
     return Math.abs(at.x) < IN_PICTURE && Math.abs(at.y) < IN_PICTURE && at.z < 1;
   }
 
-  /** What a status says about the loop: the page draws less often before the loop suffers. */
+  /** Evaluates the loop's state in a status: the page draws less often before the loop suffers. */
   watchLoop({ ticks, misses }: { ticks: number; misses: number }): void {
     this.pace.watchLoop(ticks, misses);
   }
 
-  /** Fits the picture to the page again, after a headset had it or what lies over it has changed. */
+  /** Fits the picture to the page again, after use by a headset or a change of the covering element. */
   refit(): void {
     this.resize();
   }
@@ -285,7 +285,7 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** A window that moves to another screen, or is zoomed, has other pixels; a query holds for one ratio only. */
+  /** Watches the pixel ratio, which changes with the screen or the zoom; a media query is valid for one ratio only. */
   private watchScreen(): void {
     matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`).addEventListener(
       'change',
@@ -299,7 +299,7 @@ export class Stage {
     );
   }
 
-  /** What lies over the middle leaves the picture less height. */
+  /** Returns the fraction of the height that is covered above the centre. */
   private coveredShare(width: number, height: number): number {
     if (!this.over?.isConnected) return 0;
     const view = this.host.getBoundingClientRect();
@@ -321,10 +321,10 @@ export class Stage {
       this.resolution.rest();
       return;
     }
-    // A field that is not due yet is built with one of the next pictures.
+    // A pending field is built with one of the next frames.
     this.dirty = this.bed.refreshField(now_ms, this.stones);
     this.arrows.setPicture(this.orbit.shorterSide_m(in_headset));
-    // Compiling a shader takes the processor long: the first frame is of soil and tool alone.
+    // Compiling a shader takes the processor long, so the first frame contains only soil and tool.
     const first = this.software && this.bed.drawn > 0 && !this.begun;
     this.sky.mesh.visible = !this.software || this.begun;
     this.renderer.render(this.world, this.orbit.camera);

@@ -1,4 +1,4 @@
-// Stones: rock of a colour of its own, with the facets that it broke along, in the light that the soil is in.
+// Stones: rock with an individual colour and fracture facets, in the same light as the soil.
 
 import type { Frame, Scene, Stone } from 'haptolith-protocol';
 import { BufferGeometry, Color, GLSL3, Group, Mesh, ShaderMaterial, SphereGeometry } from 'three';
@@ -8,7 +8,7 @@ import { flatGeometry } from './mesh_geometry';
 import { place } from './tool_view';
 
 const ROCK = '#6f665b';
-// Shares of the colour's hue, saturation and lightness by which one stone differs from another.
+// Variation of the colour's hue, saturation and lightness between stones.
 const SPREAD = { h: 0.02, s: 0.06, l: 0.09 } as const;
 
 const VERTEX_SHADER = /* glsl */ `
@@ -28,7 +28,7 @@ const FRAGMENT_SHADER = /* glsl */ `
 ${LIGHT_SHADER}
 uniform mat4 u_scene_T_stone;
 uniform vec3 u_rock;
-uniform float u_size_m;         // radius of the sphere around the stone
+uniform float u_size_m;         // radius of the bounding sphere
 uniform float u_seed;
 in vec3 v_at_stone_m;
 in vec3 v_at_m;
@@ -44,7 +44,7 @@ void main() {
   vec3 lean = 0.25 * (stains.gba - 0.5) + 0.5 * (rough.gba - 0.5);
   vec3 normal = normalize(normalize(v_normal) - mat3(u_scene_T_stone) * lean);
 
-  // The height field holds the stone, too: beside it is where the soil that covers it is looked for.
+  // The height field also contains the stone, so covering soil is sampled next to it.
   vec3 outside_m = v_at_m + 1.5 * u_radius_m * normalize(v_normal);
   float covered = clamp((soilHeight(outside_m.xy).y - outside_m.z) / (2.2 * u_radius_m), 0.0, 1.0);
   float crevice = (1.0 - 0.72 * covered) * clamp(0.55 + 0.9 * distanceToTool(outside_m) / u_radius_m, 0.4, 1.0);
@@ -80,7 +80,7 @@ export class StoneView {
     this.put();
   }
 
-  /** True: they have moved. */
+  /** Applies a frame; true if the stones have moved. */
   setFrame({ stones }: Frame): boolean {
     const moved = stones.length !== this.poses.length || stones.some((value, i) => value !== this.poses[i]);
     if (!moved) return false;
@@ -89,7 +89,7 @@ export class StoneView {
     return true;
   }
 
-  /** Corners of the triangles of each, nine numbers a triangle. */
+  /** Returns the corners of each stone's triangles, nine numbers per triangle. */
   trianglesInScene(): Float32Array[] {
     if (!this.group.visible) return [];
     return this.stones.map(({ geometry, matrix }) => {
@@ -98,7 +98,7 @@ export class StoneView {
     });
   }
 
-  /** Nothing is shown until a frame has told where they are. */
+  /** Places the stones; they are hidden until a frame contains their poses. */
   private put(): void {
     this.group.visible = this.poses.length === 7 * this.stones.length;
     if (!this.group.visible) return;

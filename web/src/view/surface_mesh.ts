@@ -1,11 +1,11 @@
-// The shape of the ground: a fine mesh where the bed is, and long triangles from there to the horizon, which go a little
-// under it so that nothing shows between the two.
+// Mesh of the ground: fine at the bed, and long triangles from there to the horizon. The latter extend slightly under
+// the bed, so that there is no visible gap.
 
 import { BufferAttribute, BufferGeometry } from 'three';
 
 const AROUND_PER_SIDE = 24;
 
-/** x, y in m and z as the shader wants it: 0, or how far under the ground. */
+/** Builds the mesh: x, y in m, and z for the shader: 0, or the depth under the ground. */
 export function surfaceMesh(
   width_m: number,
   length_m: number,
@@ -33,7 +33,7 @@ export function surfaceMesh(
     const x = [along, 1, -along, -1][side]! * half_x;
     const y = [-1, along, 1, -along][side]! * half_y;
     const away = horizon_m / Math.hypot(x, y);
-    // Halfway rings keep triangles from becoming so long that their light is off.
+    // Intermediate rings avoid very long triangles, whose light would be wrong.
     for (const [k, out] of RINGS.entries()) {
       const share = 1 + out * (away - 1);
       at.push(share * x, share * y, k === 0 ? (-0.02 * Math.min(width_m, length_m)) / columns : 0);

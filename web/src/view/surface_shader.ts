@@ -1,4 +1,4 @@
-// The bed and the ground around it, one surface of one soil: where the box ends is to be seen by a thin line only.
+// The bed and the ground around it as one surface of one soil; only a thin line shows the edge of the box.
 
 import { REGOLITH_SHADER } from './regolith_shader';
 
@@ -7,12 +7,12 @@ precision highp float;
 precision highp int;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
-in vec3 position;               // z: 0, or how far below the ground the far part goes under the near one
+in vec3 position;               // z: 0, or the depth of the far mesh under the near one
 ${REGOLITH_SHADER}
 uniform vec2 u_cell_m;
 out vec3 v_at_m;
 out vec3 v_normal;
-out vec4 v_light;               // height over the shadow, drift along x and y, how deep below what is around
+out vec4 v_light;               // height over the shadow, drift along x and y, depth below the surroundings
 flat out vec3 v_eye_m;
 
 void main() {
@@ -57,13 +57,13 @@ void main() {
   vec2 drift_m = v_light.yz;
   float stirred = clamp(length(drift_m) / (0.8 * u_radius_m), 0.0, 1.0);
 
-  // What lies on the soil goes with it.
+  // The pattern moves with the soil.
   vec2 on_m = at_m.xy - drift_m;
   vec2 fine_uv = on_m / u_tile_m;
   vec4 fine = texture(u_tile, fine_uv);
   vec4 coarse = texture(u_tile, mat2(0.8, -0.6, 0.6, 0.8) * fine_uv * 0.237 + 0.37);
-  // Where soil has been mixed, what was together is not, and the tile would be torn to streaks; and on a steep wall,
-  // seen from above, it would be drawn out.
+  // Mixed soil has lost its pattern, and the tile would be torn into streaks; on a steep wall, seen from above, it
+  // would be stretched.
   vec2 still_uv = at_m.xy / u_tile_m;
   vec2 dx = dFdx(still_uv), dy = dFdy(still_uv);
   float rise_x = dFdx(at_m.z) / u_tile_m, rise_y = dFdy(at_m.z) / u_tile_m;
@@ -82,13 +82,13 @@ void main() {
                0.35 * hummocks.gb + 0.4 * swells.gb;
   normal = normalize(normal - vec3(slope * (1.0 - u_flatness), 0.0));
 
-  // A grain's own shadow is hard; that of a heap has the sun's soft edge.
+  // The shadow of a single grain is hard; that of a heap has the sun's soft edge.
   float sun = smoothstep(-0.03 * u_radius_m, 0.07 * u_radius_m, v_light.x);
   sun *= mix(1.0, fine.a * mix(1.0, coarse.a, 0.3), (0.55 + 0.25 * stirred) * (1.0 - u_flatness));
   if (sun > 0.0) sun *= sunPastTool(at_m) * sunPastFlying(at_m);
   float deep = clamp(v_light.w / (2.0 * u_radius_m), 0.0, 1.0);
   float sky = 1.0 - 0.6 * deep;
-  // Loops that run once: sky_view.ts says why.
+  // Loops that run once; sky_view.ts gives the reason.
   for (int near = distance(at_m, u_tool_origin_m) < u_tool_reach_m + u_radius_m ? 0 : 1; near < 1; ++near)
     sky *= clamp(0.45 + 0.9 * distanceToTool(at_m) / u_radius_m, 0.3, 1.0);
 
@@ -103,7 +103,7 @@ void main() {
   albedo *= 1.0 - 0.08 * stirred;
   vec3 colour = litSoil(albedo, normal, to_eye, sun, sky);
 
-  // Where the soil that can be dug ends.
+  // Boundary of the soil that can be dug.
   float line = 1.0 - smoothstep(0.4, 1.1, abs(outside_m) / fwidth(outside_m));
   colour = mix(colour, vec3(0.9, 0.95, 1.0), 0.11 * line);
   colour = mix(colour, u_horizon, 1.0 - exp(-away_m / u_haze_m));

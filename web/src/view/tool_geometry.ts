@@ -1,5 +1,5 @@
-// The parts of tools: what touches soil has exactly the size that the simulation has; handle, bevel and rims are there
-// so that a tool can be recognised.
+// Parts of tools. Parts that touch soil have exactly the simulated size; handle, bevel and rims only make a tool
+// recognisable.
 
 import type { Tool, Vec3 } from 'haptolith-protocol';
 import {
@@ -24,7 +24,7 @@ export interface ToolMaterials {
 
 const edges_m = (tool: Tool): Vec3 => tool.size_mm.map((mm) => mm / 1000) as Vec3;
 
-/** A box of exactly this size whose edges are broken by a small bevel inside it, and whose front edge is sharpened. */
+/** Makes a box of exactly this size, with small bevels inside it and a sharpened front edge. */
 export function blade(tool: Tool): BufferGeometry {
   const [x, y, z] = edges_m(tool);
   const bevel_m = 0.16 * Math.min(x, y, z);
@@ -48,7 +48,7 @@ export function blade(tool: Tool): BufferGeometry {
   return geometry.rotateX(Math.PI / 2).translate(0, y / 2 - bevel_m, 0);
 }
 
-/** A stick straight up from the middle of a ball, a plate or a cylinder. */
+/** Makes a vertical stick from the centre of a sphere, a plate or a cylinder. */
 export function stick(from_m: number, size_m: number, thickness: number, material: Material): Object3D {
   const length_m = 1.6 * size_m;
   const mesh = new Mesh(new CylinderGeometry(thickness * size_m, thickness * size_m, length_m, 24), material);
@@ -57,7 +57,7 @@ export function stick(from_m: number, size_m: number, thickness: number, materia
   return mesh;
 }
 
-/** How far the middle of a jaw bulges out, and the radius of its arc; 0 and null of a flat one. */
+/** Returns the bulge of a jaw's centre, and the radius of its arc; 0 and null for a flat one. */
 function arcOf(tool: Tool): { bulge_m: number; radius_m: number | null; half_rad: number } {
   const [length_m] = edges_m(tool);
   const half_rad = (tool.jaw_bend_deg * Math.PI) / 360;
@@ -66,7 +66,7 @@ function arcOf(tool: Tool): { bulge_m: number; radius_m: number | null; half_rad
   return { bulge_m: radius_m * (1 - Math.cos(half_rad)), radius_m, half_rad };
 }
 
-/** Half of the box around one jaw, along the tool's x, y and z. */
+/** Returns the half extents of the bounding box of one jaw, along the tool's x, y and z. */
 export function halfJaw_m(tool: Tool): Vec3 {
   const [length_m, width_m, thickness_m] = edges_m(tool);
   const { bulge_m, radius_m, half_rad } = arcOf(tool);
@@ -74,7 +74,7 @@ export function halfJaw_m(tool: Tool): Vec3 {
   return [(thickness_m + bulge_m) / 2, width_m / 2, half_height_m];
 }
 
-/** The right one of two jaws; the left one is the same, turned about z. */
+/** Makes the right one of two jaws; the left one is its copy, turned about z. */
 export function rightJaw(tool: Tool): BufferGeometry {
   const [length_m, width_m, thickness_m] = edges_m(tool);
   const { radius_m, half_rad } = arcOf(tool);
@@ -89,7 +89,7 @@ export function rightJaw(tool: Tool): BufferGeometry {
     .rotateX(Math.PI / 2);
 }
 
-/** A beam on which the jaws slide, and a stick to hold it by. */
+/** Makes a beam on which the jaws slide, and a stick to hold it. */
 export function yoke(tool: Tool, { handle }: ToolMaterials): Object3D[] {
   const [, width_m, thickness_m] = edges_m(tool);
   const height_m = 2 * halfJaw_m(tool)[2];
@@ -100,7 +100,7 @@ export function yoke(tool: Tool, { handle }: ToolMaterials): Object3D[] {
   return [beam, stick(height_m / 2 + beam_m, height_m, 0.06, handle)];
 }
 
-/** Rims on both sides and at the back, a socket and a handle that rises backwards to a grip. */
+/** Makes rims on both sides and at the back, a socket and a handle that rises backwards to a grip. */
 export function shovelHandle(tool: Tool, { metal, handle }: ToolMaterials): Object3D[] {
   const [x, y, z] = edges_m(tool);
   const rim_m = Math.min(0.35 * z, 0.06 * y);
@@ -127,11 +127,11 @@ export function shovelHandle(tool: Tool, { metal, handle }: ToolMaterials): Obje
     new TubeGeometry(new CatmullRomCurve3([neck.clone().lerp(end, 0.1), middle, end]), 24, 0.036 * size_m, 16),
     handle,
   );
-  // A D-shaped grip says "shovel" at a glance.
+  // A D-shaped grip identifies a shovel at a glance.
   const grip = new Mesh(new TorusGeometry(0.13 * size_m, 0.032 * size_m, 12, 28), handle);
   const along = end.clone().sub(neck).normalize();
   grip.position.copy(end).addScaledVector(along, 0.12 * size_m);
-  // The ring lies in the plane of the handle's direction and the blade's y axis.
+  // The ring is in the plane of the handle's direction and the blade's y axis.
   const normal = new Vector3().crossVectors(along, new Vector3(0, 1, 0)).normalize();
   grip.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), normal);
   return [...rims, back, socket, shaft, grip];

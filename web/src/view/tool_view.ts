@@ -1,4 +1,4 @@
-// The tool where it is, and where the hand wants it. Its handle is translucent because soil passes through it.
+// The tool at its actual and at its target pose. Its handle is translucent because soil passes through it.
 
 import { isSameTool, type Pose, type Tool } from 'haptolith-protocol';
 import {
@@ -21,10 +21,10 @@ const HANDLE = { color: '#d8a04a', transparent: true, opacity: 0.45, depthWrite:
 export class ToolView {
   /** follows the tool */
   readonly group = new Group();
-  /** where the hand wants it */
+  /** shows the target pose */
   readonly ghost = new Group();
   private built_for: Tool | null = null;
-  /** what moves along the tool's x when jaws open */
+  /** parts that move along the tool's x when jaws open */
   private jaws: { part: Object3D; side: number }[] = [];
   private jaw_thickness_m = 0;
   private readonly detailed_materials = {
@@ -72,7 +72,7 @@ export class ToolView {
     for (const part of shape.extras(tool, this.materials)) this.group.add(part);
   }
 
-  /** The cheaper way to draw, for machines that are slow at this. */
+  /** Selects the normal or the cheaper way to draw, for machines with slow graphics. */
   setDetail(detailed: boolean): void {
     const before = this.materials;
     this.materials = detailed ? this.detailed_materials : this.plain_materials;

@@ -1,4 +1,4 @@
-// Who may do what from the page: tokens, pages that only look on, and a person at a device.
+// Permissions of a page: tokens, read-only pages, and a person at a device.
 
 import type { Vec3 } from 'haptolith-protocol';
 import type { Browser } from 'playwright-core';

@@ -1,4 +1,4 @@
-// Every page in every state that it is in for a while keeps nobody out: axe, wide and as on a phone on its side.
+// Accessibility of every page in each of its lasting states: axe, on a wide screen and as on a phone in landscape.
 
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
@@ -28,7 +28,7 @@ async function visit(options: MockOptions, query = '', by = browser): Promise<Pa
 
 const connected = (page: Page) => page.waitForFunction(() => window.haptolith?.client != null);
 
-/** Looks at the page as it is now. */
+/** Checks the page in its current state. */
 async function check(page: Page, state: string): Promise<void> {
   for (const { width, height, theme } of LOOKS) {
     await page.setViewportSize({ width, height });

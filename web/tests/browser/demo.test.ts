@@ -1,5 +1,5 @@
-// The demo, which apps/demo/make_demo has put into the folder that HAPTOLITH_DEMO names; left out where there is no compiler
-// for it.
+// The demo, which apps/demo/make_demo has put into the folder that HAPTOLITH_DEMO names; skipped where its compiler is
+// not installed.
 
 import { execFileSync } from 'node:child_process';
 import { existsSync } from 'node:fs';
@@ -14,7 +14,7 @@ import { frame, grabTool, holdStill, launch, openPage, pullIntoSoil, scene, viol
 const FOLDER = process.env.HAPTOLITH_DEMO ?? '';
 const MOST_BYTES = 10e6;
 
-/** Of a second of the program's, which this test is given as the others are. */
+/** Makes an animation file of one second with the program that this test is given, as other tests are. */
 async function madeFilm(): Promise<Buffer | null> {
   const program = process.env.HAPTOLITH;
   if (!program) return null;

@@ -1,4 +1,4 @@
-// A browser that draws in software, as on a machine without a graphics card.
+// A browser with software rendering, as on a machine without a graphics card.
 
 import { chromium, type Browser } from 'playwright-core';
 

@@ -1,4 +1,4 @@
-// What a stranger sees of the page: on other screens, without a graphics card, by keyboard and by screen reader.
+// The page for different users: on other screens, without a graphics card, by keyboard and by screen reader.
 
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
@@ -122,7 +122,7 @@ describe('stones', () => {
 });
 
 describe('soil', () => {
-  /** Mean brightness of patches of the picture, 0 to 255. */
+  /** Returns the mean brightness of patches of the picture, 0 to 255. */
   async function patches(page: Watched['page'], places: { x: number; y: number }[]): Promise<number[]> {
     const means: number[] = [];
     for (const { x, y } of places) {
@@ -170,11 +170,11 @@ describe('on a screen', () => {
   it.each(SIZES)('of %i x %i the soil and the tool are to be seen', async (width, height) => {
     const { page } = await visit();
     await page.setViewportSize({ width, height });
-    await page.waitForTimeout(500); // the picture is framed anew
+    await page.waitForTimeout(500); // the picture is fitted again
     const view = (await page.locator('.view').boundingBox())!;
     expect(view.height).toBeGreaterThan(0.5 * height);
     expect(view.width).toBeGreaterThan(0.5 * width);
-    // What lies over the picture hides neither the middle of the bed nor the tool where it starts.
+    // Panels over the picture hide neither the centre of the bed nor the tool's initial position.
     const places = await page.evaluate(() => [window.haptolith!.toolOnScreen!, window.haptolith!.bedOnScreen!]);
     for (const name of ['.readouts', '.hint', '.legend', '.scale-bar', '.tilt']) {
       const box = (await page.locator(name).boundingBox()) ?? { x: 0, y: 0, width: 0, height: 0 };
@@ -239,7 +239,7 @@ describe('for everybody', () => {
     );
     expect(unexplained).toEqual([]);
     const bubble = page.getByRole('tooltip');
-    for (let i = 0; i < 2; ++i) await page.keyboard.press('Tab'); // how the loop runs, time
+    for (let i = 0; i < 2; ++i) await page.keyboard.press('Tab'); // pace of the loop, time
     await bubble.getByText('Simulated time since the program started').waitFor();
     expect(await violations(page)).toEqual([]);
     await page.keyboard.press('Escape');
@@ -360,7 +360,7 @@ describe('what is shown', () => {
     await page.keyboard.up('ArrowRight');
     await page.waitForFunction(() => !window.haptolith!.frame!.held);
     await page.mouse.move(400, 300);
-    for (let i = 0; i < 20; ++i) await page.mouse.wheel(0, -200); // so near that the tool is beside the picture
+    for (let i = 0; i < 20; ++i) await page.mouse.wheel(0, -200); // so near that the tool is outside the picture
     await page.getByRole('button', { name: 'Bring tool here' }).click();
     await expect
       .poll(() => page.evaluate(() => Math.hypot(...window.haptolith!.frame!.tool.position_m.slice(0, 2))), {

@@ -1,4 +1,4 @@
-// A browser for the tests, and what one does with a page again and again.
+// A browser for the tests, and common actions on a page.
 
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -7,7 +7,7 @@ import { expect } from 'vitest';
 
 export { launch, launchWithoutWebGl } from './launch';
 
-// Long enough for a browser that draws in software beside other work on two cores: nothing here is a measure of speed.
+// Long enough for software rendering in parallel with other work on two cores; not a measure of speed.
 const WAIT_MS = 150_000;
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -15,9 +15,9 @@ interface Axe {
   run(options: object): Promise<{ violations: { id: string; nodes: { html: string }[] }[] }>;
 }
 
-/** What axe finds that keeps somebody out, and where. */
+/** Returns the accessibility violations that axe finds, with their elements. */
 export async function violations(page: Page): Promise<string[]> {
-  // The page's own policy lets no script in by its text; the browser's console may.
+  // The page's policy rejects inline scripts; the browser's console can evaluate them.
   await page.evaluate(AXE);
   const found = await page.evaluate(async () => {
     const { axe } = window as unknown as { axe: Axe };
@@ -28,17 +28,17 @@ export async function violations(page: Page): Promise<string[]> {
 
 export interface Watched {
   page: Page;
-  /** errors and warnings on the console, and errors that nobody caught */
+  /** errors and warnings on the console, and uncaught errors */
   complaints: string[];
 }
 
-// Of the software renderer, and of a server that is meant to be away; none of them is the page's own.
+// Messages of the software renderer, and of a server that is down on purpose; not errors of the page.
 const NOT_OURS = /GPU stall|swiftshader|GL Driver Message|ERR_CONNECTION_REFUSED|WebSocket connection to/i;
 
-// Small pictures: the tests are about what happens, and every pixel is drawn in software.
+// Small pictures: the tests check behaviour, and every pixel is rendered in software.
 const VIEWPORT = { width: 800, height: 600 };
 
-/** A page that is not anywhere yet. */
+/** Opens a page without an address. */
 export async function newPage(browser: Browser): Promise<Watched> {
   const page = await browser.newPage({ viewport: VIEWPORT, reducedMotion: 'reduce' });
   const complaints: string[] = [];
@@ -67,14 +67,14 @@ export function frame(page: Page) {
   return page.evaluate(() => window.haptolith!.frame!);
 }
 
-/** Where the tool is in the page; fails when it is out of the picture. */
+/** Returns the position of the tool in the page; fails when it is outside the picture. */
 export async function toolOnScreen(page: Page): Promise<{ x: number; y: number }> {
   const at = await page.evaluate(() => window.haptolith!.toolOnScreen);
   expect(at).not.toBeNull();
   return at!;
 }
 
-/** Stops the virtual hand, so that the tool is where it was when the test goes to take it. */
+/** Stops the simulated hand, so that the tool stays in place until the test takes it. */
 export async function holdStill(page: Page): Promise<void> {
   await page.keyboard.press('y');
   await page.waitForFunction(() => window.haptolith!.scene!.hand.manoeuvre === 'still');
@@ -87,7 +87,7 @@ export async function holdStill(page: Page): Promise<void> {
   }, null, { polling: 200 }); // prettier-ignore
 }
 
-/** Takes the tool with the mouse and leaves the button down. */
+/** Takes the tool with the mouse and keeps the button pressed. */
 export async function grabTool(page: Page): Promise<{ x: number; y: number }> {
   const at = await toolOnScreen(page);
   await page.mouse.move(at.x, at.y);
@@ -96,7 +96,7 @@ export async function grabTool(page: Page): Promise<{ x: number; y: number }> {
   return at;
 }
 
-/** Pulls the tool, which the mouse has at `at`, down into the soil, and on until it pushes back. */
+/** Pulls the tool, which the mouse holds at `at`, down into the soil until the soil pushes back. */
 export async function pullIntoSoil(page: Page, at: { x: number; y: number }): Promise<void> {
   let down_px = 0;
   await expect
@@ -111,7 +111,7 @@ export async function pullIntoSoil(page: Page, at: { x: number; y: number }): Pr
     .toBeGreaterThan(0.05);
 }
 
-/** Red, green, blue and opacity of each pixel of a part of the page, 0 to 255. */
+/** Returns red, green, blue and opacity of each pixel of a part of the page, 0 to 255. */
 export async function pixelsIn(
   page: Page,
   clip: { x: number; y: number; width: number; height: number },

@@ -1,4 +1,4 @@
-// The program that the page talks to in a test: the executable named by HAPTOLITH, or else the mock.
+// The program under the page in a test: the executable named by HAPTOLITH, otherwise the mock.
 
 import { spawn, type ChildProcess } from 'node:child_process';
 import { MockServer } from '../mock-server';
@@ -8,7 +8,7 @@ export interface Program {
   stop(): Promise<void>;
 }
 
-/** Starts it on a port, 0 for any that is free. */
+/** Starts it on a port, 0 for any free one. */
 export async function startProgram(port = 0): Promise<Program> {
   const executable = process.env.HAPTOLITH;
   return executable ? startExecutable(executable, port) : startMock(port);
@@ -35,7 +35,7 @@ async function startExecutable(executable: string, port: number): Promise<Progra
       if (child.exitCode !== null) return;
       const ended = new Promise((resolve) => child.once('exit', resolve));
       child.kill('SIGINT');
-      // One that does not end by itself must not stay behind.
+      // A program that does not exit must not stay behind.
       const timer = setTimeout(() => child.kill('SIGKILL'), 10_000);
       await ended;
       clearTimeout(timer);

@@ -1,4 +1,4 @@
-// Both pages of a study against the stand-in, whose course of things a test can see and hasten.
+// Both pages of a study with the mock, whose state a test can inspect and advance.
 
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
@@ -10,7 +10,7 @@ let browser: Browser;
 const open: Watched[] = [];
 const servers: MockServer[] = [];
 
-// Long enough that nothing goes on by itself while a test looks.
+// Long enough that nothing advances automatically during a check.
 const SLOW: MockStudyOptions = { interval_s: 60, preparing_s: 0.05, feedback_s: 60, break_s: 60 };
 
 async function serve(study: MockStudy, port = 0): Promise<string> {
@@ -27,7 +27,7 @@ async function visit(address: string, who: 'participant' | 'experimenter'): Prom
   return watched;
 }
 
-/** A participant at the first screen of a phase. */
+/** Opens the page of a participant at the first screen of a phase. */
 async function participantAt(phase: Parameters<MockStudy['skipTo']>[0], times = 1, options = {}) {
   const study = new MockStudy({ ...SLOW, ...options });
   study.skipTo(phase, times);
@@ -39,10 +39,10 @@ async function participantAt(phase: Parameters<MockStudy['skipTo']>[0], times = 
 
 const shows = (page: Page, phase: string) => page.waitForSelector(`.participant[data-phase="${phase}"]`);
 
-/** What is shown counts after a moment. */
+/** Waits until acts on the current screen count. */
 const settle = (page: Page) => page.waitForTimeout(300);
 
-/** Lowers the tool by key until there is something to be felt. */
+/** Lowers the tool by key until it has a contact force. */
 async function touchSoil(page: Page): Promise<void> {
   await page.keyboard.down('PageDown');
   await page.locator('.go:enabled').waitFor();
@@ -119,7 +119,7 @@ describe("the participant's page", () => {
     await settle(page);
     await touchSoil(page);
     await page.keyboard.down('2');
-    // A key at the very moment when the question appears.
+    // A key at the moment when the question appears.
     await page.evaluate(() =>
       new MutationObserver(([change]) => {
         if ((change!.target as HTMLElement).dataset.phase === 'question')
@@ -257,11 +257,11 @@ describe("the participant's page", () => {
   it('asks twice before it withdraws', async () => {
     const { page, study } = await participantAt('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
-    await page.keyboard.press('2'); // no answer while it asks
+    await page.keyboard.press('2'); // no response while it asks
     await page.getByRole('button', { name: 'No, continue' }).click();
     expect(study.phase).toBe('question');
     await page.getByRole('button', { name: 'Stop taking part' }).click();
-    await page.getByRole('button', { name: 'Stop', exact: true }).dblclick(); // the second click is none
+    await page.getByRole('button', { name: 'Stop', exact: true }).dblclick(); // the second click is ignored
     await page.waitForTimeout(300);
     expect(study.phase).toBe('question');
     const sure = page.getByRole('button', { name: 'Yes, end it' });
@@ -293,7 +293,7 @@ describe("the participant's page", () => {
     await servers.pop()!.close();
     await page.getByText('The connection is lost').waitFor();
     const over = (await page.locator('.banner').boundingBox())!;
-    expect([over.width, over.height]).toEqual([800, 600]); // nothing of before is to be seen beside it
+    expect([over.width, over.height]).toEqual([800, 600]); // nothing of the previous screen is visible around it
     await serve(study, Number(new URL(address).port));
     await page.waitForSelector('.participant:not(.offline)');
     await settle(page);

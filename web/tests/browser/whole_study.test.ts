@@ -1,5 +1,5 @@
-// The paper's study from consent to thanks, against the program, which is killed in the middle of every block: no answer is
-// lost, none is doubled, and whoever comes back goes on in the same order.
+// The study of icra2021 from consent to thanks, with the program, which is killed in the middle of every block. No
+// response is lost or duplicated, and a resumed study continues in the same order.
 
 import { execFileSync, spawn, type ChildProcess } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
@@ -10,7 +10,7 @@ import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { grabTool, launch, newPage } from './pages';
 
 const executable = process.env.HAPTOLITH ?? '';
-const TRIALS = 15; // of a block
+const TRIALS = 15; // per block
 const KILLED_AT: [number, string][] = [
   [7, 'interval'],
   [9, 'question'],
@@ -36,9 +36,9 @@ afterAll(async () => {
 const study = (): string => join(folder, 'paper.study');
 const tell = (...words: string[]): string => execFileSync(executable, ['study', ...words], { encoding: 'utf8' });
 
-/** Starts it and waits for the participant's address. */
+/** Starts the study and waits for the participant's address. */
 function lead(how: 'run' | 'resume', port: string): Promise<{ child: ChildProcess; address: string }> {
-  // The same for every run, so that the page finds the program again.
+  // A fixed token for all runs, so that the page finds the program again.
   const env = { ...process.env, HAPTOLITH_PARTICIPANT_TOKEN: 'the_same_one_in_all_runs' };
   const child = spawn(executable, ['study', how, study(), '--port', port, ...(how === 'run' ? ['--trial-run'] : [])], {
     env,
@@ -81,7 +81,7 @@ function rows(): Row[] {
 const phaseOf = (page: Page): Promise<string> =>
   page.evaluate(() => document.querySelector<HTMLElement>('.participant')?.dataset.phase ?? '');
 
-/** Does what there is to do, like somebody who always finds the second soil stronger. */
+/** Acts on the current screen, as a participant who always perceives the second soil as stronger. */
 async function act(page: Page, phase: string): Promise<void> {
   if (phase === 'form') {
     for (const choice of ['right', 'never'])
@@ -90,7 +90,7 @@ async function act(page: Page, phase: string): Promise<void> {
   } else if (phase === 'question') {
     await page.keyboard.press('2');
   } else if (phase === 'interval') {
-    await page.keyboard.down('PageDown'); // into the soil: who has not touched it cannot go on
+    await page.keyboard.down('PageDown'); // into the soil: the study continues only after a touch
     await page.waitForFunction(() => !document.querySelector('.participant[data-phase=interval] .go:disabled'));
     await page.keyboard.up('PageDown');
     await page.keyboard.press('Enter');
@@ -145,10 +145,10 @@ describe.skipIf(executable === '')('a whole study', () => {
       const levels = kept.filter((row) => row.block === block).map((row) => row.level);
       for (const level of new Set(levels)) expect(levels.filter((other) => other === level)).toHaveLength(3);
     }
-    // The order is the one that was drawn before anybody was killed: one block, then the other.
+    // The order was drawn before the first kill: one block, then the other.
     expect(kept.map((row) => row.block)).toEqual([...Array(TRIALS).fill('friction'), ...Array(TRIALS).fill('gravity')]);
 
-    // The next one begins with the other block.
+    // The next participant begins with the other block.
     ({ child, address } = await lead('run', '0'));
     await page.goto(address);
     for (let phase = ''; phase !== 'interval'; phase = await phaseOf(page)) await act(page, phase);

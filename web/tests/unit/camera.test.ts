@@ -8,7 +8,8 @@ import { OrbitCamera } from '../../src/view/camera';
 const sceneOf = (width_m: number): Scene =>
   ({ box: { width_m, length_m: width_m, surface_m: Math.min(0.09, width_m / 3) } }) as unknown as Scene;
 
-/** How much of the picture the box is wide and high, and how far its farthest corner is from the middle. */
+/** Returns the fractions of the picture's width and height that the box fills, and the maximum distance of its
+ * corners from the centre. */
 function filled(orbit: OrbitCamera, scene: Scene): { wide: number; high: number; farthest: number } {
   const half_m = scene.box.width_m / 2;
   const corners = [-half_m, half_m].flatMap((x) =>

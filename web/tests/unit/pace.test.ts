@@ -4,7 +4,7 @@ import { missesInWords, paceInBrief, paceInWords, PaceWatch, type Pace } from '.
 
 type Part = Partial<Status>;
 
-/** A loop for some seconds, with a status four times a second; `missed` of each second. */
+/** Simulates a loop for some seconds, with a status four times a second; `missed` returns the misses up to a tick. */
 function watch(seconds: number, missed: (ticks: number) => Part, rest: Part = {}): Pace {
   const paces = new PaceWatch();
   let pace: Pace | null = null;

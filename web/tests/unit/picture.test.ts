@@ -38,7 +38,7 @@ describe('the height field', () => {
     expect(field.heightAt(-0.043, 0)).toBeGreaterThan(0.015);
     expect(field.heightAt(0.05, 0)).toBeCloseTo(0.005, 3);
     expect(field.heightAt(0.057, 0)).toBe(0);
-    expect(field.flying_count).toBe(1); // 7 of its own radii above the ground
+    expect(field.flying_count).toBe(1); // 7 of its radii above the ground
     expect(field.flying_m[0]!.w).toBeCloseTo(0.0025, 6);
   });
 
@@ -70,7 +70,7 @@ describe('the height field', () => {
 });
 
 describe('a stone', () => {
-  // A wedge whose top leans along x.
+  // A wedge whose top slopes along x.
   const at = (x: number, z: number): Float32Array => {
     const [a, b, c] = [[x - 0.03, -0.03, z], [x + 0.03, -0.03, z + 0.02], [x, 0.04, z + 0.01]]; // prettier-ignore
     const d = [x, 0, z - 0.01];

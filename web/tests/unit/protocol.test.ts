@@ -116,7 +116,7 @@ describe('a frame', () => {
   });
 });
 
-// The program's tests make these bytes: Frame.HasTheBytesThatThePageIsTestedWith in tests/viewer/frame_test.cpp.
+// The program's tests write these bytes: Frame.HasTheBytesThatThePageIsTestedWith in tests/viewer/frame_test.cpp.
 function sharedFrame(file: string): Frame {
   const bytes = readFileSync(fileURLToPath(new URL(`../../../tests/data/${file}`, import.meta.url)));
   return decodeFrame(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer);
@@ -189,7 +189,7 @@ describe('a message', () => {
   });
 });
 
-// Lists are cut short by "...", and messages begin at four spaces and go on at five or more.
+// "..." abbreviates lists. Messages begin at an indentation of four spaces and continue at five or more.
 const DOCUMENT = ['web-messages.md', 'web-protocol.md']
   .map((page) => readFileSync(fileURLToPath(new URL(`../../../docs/reference/${page}`, import.meta.url)), 'utf8'))
   .join('\n');

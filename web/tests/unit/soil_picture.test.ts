@@ -12,7 +12,7 @@ const FROM_LEFT = { x: -0.8, y: 0, z: 0.6 };
 
 type Place = [x_m: number, y_m: number, z_m: number];
 
-/** A layer of particles, as level as balls can be. */
+/** A layer of particles, as level as spheres can be. */
 function layer(z_m: number): Place[] {
   const across = 12;
   const at_m = (nth: number): number => ((nth + 0.5) / across - 0.5) * WIDTH_M;
@@ -52,7 +52,7 @@ describe('the surface of soil', () => {
     expect(surface.flying_count).toBe(0);
   });
 
-  // Two layers; the upper one has holes in the corners, so wide, as packings have them.
+  // Two layers; the upper one has holes of this width in the corners, as packings have.
   const withHoles = (radii: number): Place[] => [
     ...layer(RADIUS_M),
     ...layer(2.6 * RADIUS_M).filter(([x, y]) => Math.max(WIDTH_M / 2 - Math.abs(x), WIDTH_M / 2 - Math.abs(y)) > radii * RADIUS_M), // prettier-ignore
@@ -159,7 +159,7 @@ describe('small grains', () => {
     const sun = tileSun(post, FROM_LEFT);
     expect(sun[100 * SIDE + 490]).toBe(1);
     expect(sun[100 * SIDE + 505]).toBe(0);
-    expect(sun[100 * SIDE + 5]).toBe(0); // over the tile's edge
+    expect(sun[100 * SIDE + 5]).toBe(0); // across the tile's edge
     expect(sun[100 * SIDE + 40]).toBe(1);
     expect(sun[104 * SIDE + 505]).toBe(1);
   });
@@ -219,7 +219,7 @@ describe('dust', () => {
     expect(dust.count).toBe(0);
     dust.setWorld('Moon', [0, 0, -1.625], { low_m: [0, 0, 0], high_m: [1, 1, 1] });
     dust.take(frame(30_000, fast), radii_m, 0);
-    expect(dust.points.visible).toBe(false); // time has gone back: a film, or another bed
+    expect(dust.points.visible).toBe(false); // time has gone back: an animation, or another bed
   });
 });
 

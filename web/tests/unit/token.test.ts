@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { takeToken } from '../../src/token';
 
-/** A tab of a browser: where it is, and what it keeps. */
+/** A browser tab: its address and its storage. */
 class Tab {
   readonly kept = new Map<string, string>();
   readonly history = { state: null, replaceState: (_state: unknown, _title: string, to?: string | URL | null) => this.go(String(to)) }; // prettier-ignore
@@ -24,7 +24,7 @@ describe('the token', () => {
     const tab = new Tab('http://127.0.0.1:8080/?token=abc&study=participant');
     expect(tab.take()).toBe('abc');
     expect(tab.href).toBe('http://127.0.0.1:8080/?study=participant');
-    expect(tab.take()).toBe('abc'); // the page is loaded again
+    expect(tab.take()).toBe('abc'); // the page is reloaded
     tab.go('http://127.0.0.1:8080/?token=def');
     expect(tab.take()).toBe('def');
     expect(tab.href).toBe('http://127.0.0.1:8080/');

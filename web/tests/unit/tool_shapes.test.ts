@@ -35,7 +35,7 @@ describe.each(SHAPES.filter((name) => name !== 'mesh'))('a %s', (name) => {
   it('lies within the sphere around it, with both of its jaws', () => {
     const [x, y, z] = shape.half_m(given);
     const across_m = shape.jaws ? given.opening_mm / 2000 + 2 * x : x;
-    // The corner of a box, the rim of a cylinder, anywhere on a sphere.
+    // The corner of a box, the rim of a cylinder, any point of a sphere.
     const farthest_m =
       shape.solid === 'box' ? Math.hypot(across_m, y, z) : shape.solid === 'cylinder' ? Math.hypot(x, z) : x;
     expect(shape.reach_m(given)).toBeCloseTo(farthest_m, 12);
@@ -101,7 +101,7 @@ describe('a mesh', () => {
       for (const k of [0, 1, 2])
         expect(new Vector3().fromBufferAttribute(normal, i + k).distanceTo(flat)).toBeLessThan(1e-5);
     }
-    // 4 at the bottom, 4 at each side of the rim, 4 around the floor, 8 upright; none across a quad.
+    // 4 at the bottom, 4 at each side of the rim, 4 around the floor, 8 vertical; none across a quad.
     expect(shape.edges(solid, given).getAttribute('position').count).toBe(2 * 24);
   });
 
@@ -115,7 +115,7 @@ describe('a mesh', () => {
     const [at, normal] = [drawn.getAttribute('position'), drawn.getAttribute('normal')];
     for (let i = 0; i < at.count; ++i) {
       const outwards = new Vector3().fromBufferAttribute(at, i).normalize();
-      // Its seam, where points are there twice, is a little off.
+      // Its seam, where points are duplicated, deviates slightly.
       expect(new Vector3().fromBufferAttribute(normal, i).angleTo(outwards)).toBeLessThan(0.11);
     }
     expect(shape.edges(drawn, round).getAttribute('position').count).toBe(0);
