@@ -93,8 +93,12 @@ export class SiteView {
   }
 }
 
-function isSame(a: Site, b: Site): boolean {
-  return a.columns === b.columns && a.heights_mm.every((height, i) => height === b.heights_mm[i]);
+/** Whether two maps show the same surface in the same place. */
+export function isSame(a: Site, b: Site): boolean {
+  const grid = (site: Site): number[] => [site.columns, site.rows, site.cell_m, ...site.corner_m];
+  const equal = (one: (number | null)[], other: (number | null)[]): boolean =>
+    one.every((value, i) => value === other[i]);
+  return equal(grid(a), grid(b)) && equal(a.heights_mm, b.heights_mm);
 }
 
 /** Builds the surface through the centres of all cells, and sides down from its edge. Unknown cells are holes. */

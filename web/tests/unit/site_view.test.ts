@@ -1,6 +1,6 @@
 import type { Site } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
-import { blockOf } from '../../src/view/site_view';
+import { blockOf, isSame } from '../../src/view/site_view';
 
 const site = (heights_mm: (number | null)[]): Site => ({
   corner_m: [-0.1, -0.2],
@@ -41,5 +41,13 @@ describe("a robot's site", () => {
     expect(triangles(whole)).toBe(4 * 2 + 8 * 2);
     expect(triangles({ ...whole, heights_mm: [0, 0, 0, 0, null, 0, 0, 0, 0] })).toBe(8 * 2);
     expect(triangles({ ...whole, heights_mm: Array<null>(9).fill(null) })).toBe(0);
+  });
+
+  it('is another one when it has moved or has other cells', () => {
+    const level = site([0, 0, null, 0, 0, 0]);
+    expect(isSame(level, site([0, 0, null, 0, 0, 0]))).toBe(true);
+    expect(isSame(level, site([0, 0, 0, 0, 0, 0]))).toBe(false);
+    expect(isSame(level, { ...level, corner_m: [0.5, 0] })).toBe(false);
+    expect(isSame(level, { ...level, cell_m: 2 * level.cell_m })).toBe(false);
   });
 });
