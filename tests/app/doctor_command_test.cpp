@@ -23,7 +23,7 @@ constexpr const char* kLacking = "scheduler";
 constexpr const char* kLacking = "scheduler, memory lock";
 #endif
 
-/// The program for a user without privileges, whoever runs the tests.
+/// The program for a user without privileges, for any user of the tests.
 std::string withoutRights(const std::string& arguments) {
   const char* drop = geteuid() == 0 ? "setpriv --bounding-set=-sys_nice,-ipc_lock,-sys_resource " : "";
   return fmt::format("prlimit --rtprio=0 --memlock=65536 {}\"$HAPTOLITH\" {}", drop, arguments);

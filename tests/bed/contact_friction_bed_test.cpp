@@ -353,7 +353,7 @@ TEST(ContactFrictionBed, ANudgedParticleNeverComesOutFasterThanItWentIn) {
 // -----------------------------------------------------------------------------------------------------------
 
 TEST(ContactFrictionBed, MemorySurvivesBeingEnteredAgain) {
-  // The same two, at rest and flying past at 2 m/s: relisted every few steps, they keep the same slip.
+  // Those two, at rest and flying past at 2 m/s: relisted every few steps, they keep the same slip.
   std::vector<Vec3> slips[2];
   for (const bool flying : {false, true}) {
     BedParameters parameters = space();

@@ -251,7 +251,7 @@ TEST(PackedBed, ADeepBedKeepsTheDensityOfTheAnalysisUnderFriction) {
   EXPECT_LT(bed.largestSpeed(), kAtRest_m_s);
   const std::vector<Layer> analysis = layersToDepth(parameters.soil, 1.625, 0.62);
   for (const auto& [top, bottom] : {std::pair{0.0, 0.15}, {0.0, 0.3}, {0.3, 0.6}, {0.0, 0.6}}) {
-    // A particle spread over one height instead of its own layer's moves the edge of a band by up to 1 mm: 1 mm of 15
+    // A particle spread over one height instead of its layer's moves the edge of a band by up to 1 mm: 1 mm of 15
     // cm.
     EXPECT_NEAR(bandDensity(bed, 16, top, bottom), bandMeanDensity(analysis, top, bottom), 10) << top << " " << bottom;
   }

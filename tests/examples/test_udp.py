@@ -14,7 +14,7 @@ import pytest
 
 SOURCE = Path(__file__).resolve().parents[2]
 EXAMPLES = SOURCE / "examples"
-SECONDS = ("4", "8", "16")  # of a path; a machine that has more to do is given more time
+SECONDS = ("4", "8", "16")  # duration of a path; a busy machine gets more time
 HEIGHT_MM = "-92"  # of the path, in the device's frame: 7 mm below the soil's surface
 
 

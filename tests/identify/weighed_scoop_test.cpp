@@ -130,7 +130,7 @@ struct Scooped {
 };
 
 double massAbove(const Bed& bed, double height_m) {
-  const auto grains = std::span(bed.state().position).first(bed.particles());  // of equal mass, whatever their size
+  const auto grains = std::span(bed.state().position).first(bed.particles());  // equal masses, whatever their size
   return bed.mass() *
          static_cast<double>(std::ranges::count_if(grains, [&](const Float4& grain) { return grain.z > height_m; }));
 }

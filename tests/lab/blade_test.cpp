@@ -159,7 +159,7 @@ TEST(Blade, LeaningBackIsEasierToDrawAndLiftedLess) {
 }
 
 TEST(Blade, NeedsADraftInProportionToGravityWhenContactsAreAsMuchSofter) {
-  // The same soil in other units of time: only the settling of the bed differs. With contacts as stiff on both
+  // That soil in other units of time: only the settling of the bed differs. With contacts as stiff on both
   // bodies the ratio is less, for soil that is pressed together less dilates more.
   constexpr double kWeaker = 9.807 / 1.625;
   LabConditions conditions = coarseSand(kRadius_m);

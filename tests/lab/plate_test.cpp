@@ -69,7 +69,7 @@ TEST(Plate, IsCarriedByItsFitAndByASoilOfTheRightDensity) {
 }
 
 TEST(Plate, NeedsForceInProportionToGravityWhenContactsAreAsMuchSofter) {
-  // The same soil in other units of time: only the settling of the bed differs. With stiff contacts on both
+  // That soil in other units of time: only the settling of the bed differs. With stiff contacts on both
   // bodies the ratio is less, for soil that is pressed together less dilates more.
   constexpr double kWeaker = 4;
   const double strong = force(plateTest(coarseSand(7e-3), kSmall), 0.015);

@@ -20,13 +20,13 @@ export interface Served {
   close(): Promise<void>;
 }
 
-/** @param besides  additional files, by their paths; null: the file is missing */
-export function serveFolder(folder: string, besides: Record<string, Buffer | null> = {}): Promise<Served> {
+/** @param additional  additional files, by their paths; null: the file is missing */
+export function serveFolder(folder: string, additional: Record<string, Buffer | null> = {}): Promise<Served> {
   const sent = new Map<string, number>();
   const server = createServer((request, response) => {
     const path = normalize(new URL(request.url ?? '/', 'http://here').pathname);
     const file = join(resolve(folder), path === '/' ? 'index.html' : path);
-    const beside = besides[path];
+    const beside = additional[path];
     if (beside) {
       response.writeHead(200, { 'content-type': 'application/octet-stream' }).end(beside);
       return;

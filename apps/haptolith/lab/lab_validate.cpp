@@ -417,7 +417,7 @@ void addValidate(CLI::App& lab) {
       "validate",
       "Claims about our soil beside what others measured and calculated, on one page; takes long, can be resumed");
   command->add_option("--claims", options->claims_file,
-                      "a file of claims (docs/reference/claims-file.md) [all that come along]");
+                      "a file of claims (docs/reference/claims-file.md) [all that ship]");
   command->add_option("--soil", options->soil,
                       "claims about any soil, of this one: a named one, a soil file, or P1 to P6 [each claim's own]");
   command->add_option("--only", options->only, "these claims or groups of claims only")->delimiter(',');

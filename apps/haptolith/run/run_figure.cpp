@@ -42,7 +42,7 @@ Rows toolEdges(const ToolParameters& tool, const Pose& pose, double opening_m) {
   const auto at = [&](std::int32_t point) {
     return pose.fromBody(surface.points_tool_m[static_cast<std::size_t>(point)]);
   };
-  std::map<std::pair<std::int32_t, std::int32_t>, Vec3> normals;  // of the triangle left of each directed edge
+  std::map<std::pair<std::int32_t, std::int32_t>, Vec3> normals;  // normal of the triangle left of each directed edge
   for (const auto& [a, b, c] : surface.triangles) {
     const Vec3 normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
     normals[{a, b}] = normals[{b, c}] = normals[{c, a}] = normal;

@@ -87,7 +87,7 @@ void makeStudy(const NewOptions& options) {
   if (built_in && protocol.consent.find('[') != std::string::npos) {
     printNotice(
         fmt::format("The consent page has text in [BRACKETS] to be filled in: good for 'study simulate' and 'study run "
-                    "--trial-run'; for a study, write a protocol of your own (docs/reference/protocol-keys.md).\n"));
+                    "--trial-run'; for a study, write your own protocol (docs/reference/protocol-keys.md).\n"));
   }
 }
 

@@ -43,7 +43,7 @@ struct BedState {
   std::vector<std::int8_t> tool_side;      ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
   static constexpr float kDriven = 1;  ///< keeps its velocity, whatever pushes it
-  static constexpr float kHeld = 2;    ///< the same for fixed soil outside the sides of a settled box
+  static constexpr float kHeld = 2;    ///< keeps its place: fixed soil outside the sides of a settled box
   [[nodiscard]] bool isHeld(std::size_t particle) const noexcept { return velocity[particle].w == kHeld; }
 
   static constexpr std::uint16_t kAsleep = 0xFFFF;

@@ -50,7 +50,7 @@ struct StoneShape {
 /// An angular rock, different for each seed: a sphere cut by random planes, like broken rock, somewhat
 /// longer than wide and wider than high; of up to 45 spheres that fill it up to its faces, scaled to the volume of a
 /// sphere of the diameter `size_m`. No sphere reaches out of the displayed surface; 95 % of that surface is within a
-/// twentieth of the size of their union. The same seed and size give the same bits. Not for the tick.
+/// twentieth of the size of their union. Equal seed and size give equal bits. Not for the tick.
 /// @throws InvalidParameter for a size outside kStoneSize_m.
 [[nodiscard]] StoneShape angularRock(double size_m, std::uint64_t seed);
 

@@ -11,8 +11,8 @@ namespace haptolith {
 struct Penetration {
   double depth_m = 0;            ///< z of (paper 21): > 0 overlapping, < 0 the gap between the surfaces
   Vec3 outward = Vec3::UnitZ();  ///< unit normal from the tool to the particle, tool frame
-  int side = 0;                  ///< large face the particle lies on: +1, -1, or 0 (next to the tool, or a sphere);
-                                 ///< with a mesh, a direction: see meshPenetration()
+  int side = 0;  ///< large face that the particle touches: +1, -1, or 0 (next to the tool, or a sphere);
+                 ///< with a mesh, a direction: see meshPenetration()
 };
 
 /// Penetration of a sphere of `radius_m` at `centre_m` (tool frame) into the tool. May be called in the tick.

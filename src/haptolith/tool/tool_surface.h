@@ -15,7 +15,7 @@ struct ToolSurface {
   std::vector<std::array<std::int32_t, 3>> triangles;
 };
 
-/// Shape of a tool for pictures; round ones have corners on their true surface. The same number of points and triangles
+/// Shape of a tool for pictures; round ones have corners on their true surface. Equal numbers of points and triangles
 /// for every opening. Not for the tick.
 /// @param opening_m  between jaws, >= 0; of no meaning to another tool.
 [[nodiscard]] ToolSurface toolSurface(const ToolParameters& tool, double opening_m);

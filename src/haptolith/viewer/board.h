@@ -33,7 +33,7 @@ class Board {
     std::string whole, nameless;
   };
 
-  /// The first message to each client is `hello`, in which "$client" stands for the client's number.
+  /// The first message to each client is `hello`, in which "$client" is the client's number.
   explicit Board(Texts hello);
   explicit Board(const std::string& hello);
   ~Board();

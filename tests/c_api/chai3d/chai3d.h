@@ -81,7 +81,7 @@ struct cColorf {
 };
 struct cRenderOptions {};
 
-/// Deletes its children, without notifying any observer of its own end.
+/// Deletes its children, without notifying any observer of its end.
 class cGenericObject {
  public:
   cGenericObject() {

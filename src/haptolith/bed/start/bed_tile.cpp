@@ -207,7 +207,7 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
   }
   // With friction, which was off so far: its springs now carry their part.
   Bed rest(wanted, grains);
-  // Without friction it never stands still, and with very little not in time: then it is as calm as what is poured.
+  // Without friction it never comes to a stop, and with very little not in time: then it is as calm as what is poured.
   const bool flows = wanted.soil.friction == FrictionModel::kContact && wanted.soil.contact_friction == 0;
   const double calm_after_s = flows ? fallingTime(wanted) : kCalmAfter * kLongestSettling_s;
   stepUntil(rest, progress, [&, still_m_s = restSpeed(wanted.soil.friction)](double time_s, double speed) {

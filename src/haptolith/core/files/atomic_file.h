@@ -40,7 +40,7 @@ void requireFree(const OutputFile& file);
 /// The most that file systems take for a name, without its folder.
 inline constexpr std::size_t kLongestName_bytes = 255;
 
-/// "x-3f2a...9c" beside `path`, hidden, with its extension: an unguessable name.
+/// "x-3f2a...9c" next to `path`, hidden, with its extension: an unguessable name.
 /// @param longest_bytes  limit of the name's length, where another program adds an ending to it.
 [[nodiscard]] std::filesystem::path temporaryBeside(const std::filesystem::path& path, std::string_view what,
                                                     std::size_t longest_bytes = kLongestName_bytes);

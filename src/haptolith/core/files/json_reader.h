@@ -75,7 +75,7 @@ class JsonValue {
 };
 
 struct JsonLimits {
-  int depth = 32;  ///< of nested brackets
+  int depth = 32;  ///< limit of nested brackets
   std::size_t values = JsonValue::kAnySize;
 };
 

@@ -220,7 +220,7 @@ class Inverse3::Connection {
   // For the driver's thread: reads messages as they arrive, and sends a force each millisecond, unless the one before
   // has not been answered or messages still wait to be read: neither the service nor this thread is given more than it
   // can do, else the arm would be shown as it was ever longer ago. Messages without end hold no force back for long,
-  // but for longer each time, so that a machine that is slow at reading catches up all the same.
+  // and for longer each time, so that a slow reader also catches up.
 
   void serve() {
     receive();

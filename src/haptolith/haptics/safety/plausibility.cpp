@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kFastest_m_s = 10;
 constexpr double kHand_m = 0.1;             ///< distance of the handle from the wrist
-constexpr double kLargestJump = 0.3;        ///< of a velocity in a tick, as a fraction of the maximum
+constexpr double kLargestJump = 0.3;        ///< largest change of velocity in a tick, as a fraction of the maximum
 constexpr double kContradiction_s = 0.004;  ///< at the maximum velocity
 constexpr double kForgotten_s = 0.1;
 

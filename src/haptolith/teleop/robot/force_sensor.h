@@ -20,7 +20,7 @@ struct ForceSensorParameters {
   double full_scale_nm = 10;
   double tool_mass_kg = 0.3;             ///< mass of the attached tool
   double told_mass_kg = 0.29;            ///< assumed mass for the subtraction of its weight
-  Vec3 centre_of_mass_m = Vec3::Zero();  ///< of the tool, in the tool frame
+  Vec3 centre_of_mass_m = Vec3::Zero();  ///< tool's centre of mass, tool frame
   std::uint64_t seed = 1;
 
   [[nodiscard]] bool operator==(const ForceSensorParameters&) const = default;

@@ -21,7 +21,7 @@ struct RobotParameters {
   ArmParameters arm{.mass_kg = 1, .damping_n_s_m = 180, .stiffness_n_m = 15000, .lever_m = 0.1};
   double max_force_n = 60;     ///< largest pulling force; the tool then lags behind the command
   double stop_force_n = 100;   ///< it holds when its sensor exceeds this for 20 ms
-  double max_speed_m_s = 0.5;  ///< of the tool; faster commands are followed late
+  double max_speed_m_s = 0.5;  ///< largest speed of the tool; faster commands are followed late
   double jump_m_s = 2;         ///< between two keyframes: no hand is so fast
   double approach_m_s = 0.1;   ///< during automatic movements
   double approach_rad_s = 1;   ///< during automatic movements
