@@ -5,8 +5,6 @@ import type { ParticipantMessage, Vec3 } from 'haptolith-protocol';
 // A single grain that the tool moves is felt as more.
 const LEAST_FORCE_N = 0.02;
 
-export const TOUCH_FIRST = 'Touch the soil with the tool first.';
-
 /** Whether the button of what is shown waits for a touch. */
 export function mustTouch({ phase, button }: Pick<ParticipantMessage, 'phase' | 'button'>): boolean {
   return phase === 'interval' && button !== null;

@@ -190,7 +190,10 @@ describe('a message', () => {
 });
 
 // Lists are cut short by "...", and messages begin at four spaces and go on at five or more.
-const DOCUMENT = readFileSync(fileURLToPath(new URL('../../../docs/protocol.md', import.meta.url)), 'utf8');
+const DOCUMENT = readFileSync(
+  fileURLToPath(new URL('../../../docs/reference/web-protocol.md', import.meta.url)),
+  'utf8',
+);
 const EXAMPLES = (DOCUMENT.match(/^ {4}\{"type".*(?:\n {5,}.*)*/gm) ?? []).map((text) => text.replaceAll(', ...', ''));
 const example = (type: string): Record<string, unknown> =>
   JSON.parse(EXAMPLES.find((text) => text.includes(`{"type": "${type}"`))!) as Record<string, unknown>;
