@@ -136,7 +136,7 @@ assert sidecar['TaskName'] == 'friction'
 assert sidecar['x']['LongName'] == 'friction coefficient'
 for column in trials.columns:
     assert sidecar[column]['Description'].endswith('.'), column
-assert sidecar['response']['Levels']['1'] == 'the test was said to have more'
+assert sidecar['response']['Levels']['1'] == 'the participant judged the test to have more'
 assert sidecar['first_peak_force_n']['Units'] == 'N'
 )");
 }
@@ -253,7 +253,7 @@ for name in ['a.csv', 'a-sessions.csv']:
     assert list(pandas.read_csv(name).columns) == list(columns[name]), name
     assert all(column['Description'] for column in columns[name].values())
 assert columns['a.csv']['first_peak_force_n']['Units'] == 'N'
-assert columns['a.csv']['response']['Levels']['1'] == 'the test was said to have more'
+assert columns['a.csv']['response']['Levels']['1'] == 'the participant judged the test to have more'
 assert columns['a.csv']['demographics_age']['Description'] == 'Age'
 )");
 }

@@ -110,13 +110,13 @@ Keys keysOfSoil() {
        "A soil with a name; instead of a preset, and not together with the numbers that make a soil."},
       {"soil", "file", "",
        PathValue{[](S& s, const std::filesystem::path& v) { setSoil(s, loadSoilFile(v)); }, kOnlyRead},
-       "A soil file (soils.md), beside the scene file; the same goes for it."},
+       "A soil file (soils.md), next to the scene file; instead of a preset, a name or the numbers of a soil."},
   };
   const auto* of_model = std::ranges::find_if(kSoilNumbers, [](const SoilNumber& n) { return n.model.has_value(); });
   std::transform(kSoilNumbers.begin(), of_model, std::back_inserter(keys), soilNumber);
   keys.push_back(soil.word(
       "friction", &SoilParameters::friction, kFrictionWords,
-      "What friction acts against: absolute space, as in the paper (14), or the particles that a particle touches."));
+      "Friction model: friction against absolute space, as in the paper (14), or between particles in contact."));
   std::transform(of_model, kSoilNumbers.end(), std::back_inserter(keys), soilNumber);
   return keys;
 }
@@ -134,7 +134,7 @@ Keys keysOfWorld() {
                      setGravity(s, v, s.bed.gravity_m_s2.norm());
                    },
                    kOnlyRead},
-       "Where things fall to, of any length but 0."},
+       "Direction of gravity, of any length except 0."},
       {"gravity", "body", "",
        WordValue{namesOf(bodies()),
                  [](S& s, std::string_view v) {
@@ -161,13 +161,13 @@ Keys keysOfWorld() {
        "Gravity by its three numbers; instead of all others."},
 
       // What the program writes beside the numbers it writes.
-      names.text("preset", &S::preset, "What the soil is called when it is a preset."),
-      names.text("soil", &S::soil_name, "What the soil is called when it has a name of its own."),
-      names.text("body", &S::body, "What the world is called."),
+      names.text("preset", &S::preset, "Name of the preset."),
+      names.text("soil", &S::soil_name, "Name of the soil."),
+      names.text("body", &S::body, "Name of the celestial body."),
       {"names", "mesh", "",
        TextValue{[](S& s, std::string_view v) { s.mesh.name = v; },
                  [](const S& s) { return s.mesh.bytes ? std::string_view(s.mesh.name) : std::string_view(); }},
-       "What the file of the tool's mesh was called."},
+       "Name of the tool's mesh file."},
   };
 }
 
@@ -177,20 +177,20 @@ Keys keysOfBed() {
   return {
       bed.word(
           "start", &BedParameters::start, kBedStartWords,
-          "How the soil lies at first: `particles` in `layers`; closely packed up to `depth_mm`; dropped at random; "
-          "settled and levelled at `depth_mm`, at rest, in pieces that repeat (below); or where `grains` has it."),
+          "Initial state of the soil: `particles` in `layers`; closely packed up to `depth_mm`; dropped at random; "
+          "settled and levelled at `depth_mm`, at rest, in periodic tiles (below); or at the positions of `grains`."),
       {"bed", "grains", "",
        PathValue{[](S& s, const std::filesystem::path& v) {
                    s.bed.given = readGrains(v, s.bed.soil.radius_m);
                    s.bed.start = BedStart::kGiven;
                  },
                  kOnlyRead},
-       "Where each grain is: a .csv file beside the scene file (below), as `haptolith import` writes. Implies "
-       "`start`."},
+       "Position of each particle: a .csv file next to the scene file (below), as written by `haptolith import`. "
+       "Implies `start`."},
       {"bed", "grains_data", "",
        DataValue{[](S& s, std::string_view v) { readGrainsData(s.bed.given, v); },
                  [](const S& s) { return grainsData(s.bed.given); }},
-       "What the program writes in place of `grains`: how many are held, a colon, and their numbers in base64."},
+       "Written by the program instead of `grains`: number of held particles, a colon, and all numbers in base64."},
       bed.count("particles", &BedParameters::particles, BedRanges::particles,
                 "Number of macroparticles; for `count` and `rain`."),
       bed.count("layers", &BedParameters::layers, BedRanges::layers, "Number of layers; for `count`."),
@@ -240,15 +240,16 @@ Keys keysOfStones() {
   const auto stones = memberKeys<S>("stones", &S::bed, &BedParameters::stones);
   return {
       stones.count("count", &StonesParameters::count, StonesRanges::count,
-                   "Stones at random places in the soil, besides each [[stone]]."),
+                   "Stones at random positions in the soil, in addition to each [[stone]]."),
       {"stones", "shape", "form",
        WordValue{{kStoneFormWords[0].name, kStoneFormWords[1].name},
                  [](S& s, std::string_view v) { s.bed.stones.form = valueOf(kStoneFormWords, v); },
                  [](const S& s) { return wordFor(kStoneFormWords, s.bed.stones.form); }},
-       "Angular rocks, or balls."},
+       "Angular rocks, or spheres."},
       stones.number("smallest_mm", &StonesParameters::smallest_m, kStoneSize_m, kMillimetres,
-                    "Diameter of the ball of the smallest one's volume."),
-      stones.number("largest_mm", &StonesParameters::largest_m, kStoneSize_m, kMillimetres, "Of the largest one's."),
+                    "Smallest diameter of a sphere of equal volume."),
+      stones.number("largest_mm", &StonesParameters::largest_m, kStoneSize_m, kMillimetres,
+                    "Largest diameter of a sphere of equal volume."),
       stones.number("exponent", &StonesParameters::exponent, StonesRanges::exponent,
                     "How many are larger than D goes as D to the minus this (below)."),
       stones.number("shallowest_mm", &StonesParameters::shallowest_m, StonesRanges::depth_m, kMillimetres,
@@ -258,7 +259,7 @@ Keys keysOfStones() {
       stones.count("seed", &StonesParameters::seed, StonesRanges::seed, "Seed of their sizes, shapes and places."),
       stones.onOrOff("fixed", &StonesParameters::fixed, "Whether they stay where they are, whatever pushes them."),
       stones.number("density_kg_m3", &StonesParameters::density_kg_m3, StonesRanges::density_kg_m3,
-                    "Of all stones, each [[stone]] too."),
+                    "Density of all stones, including each [[stone]]."),
   };
 }
 
@@ -270,8 +271,8 @@ Keys keysOfTool() {
   const auto mesh = memberKeys<S>("tool", &S::mesh);
   return {
       tool.word("shape", &ToolParameters::shape, kToolShapeWords,
-                "Shape of the tool: the shovel, a ball, a round plate that lies flat, an upright cylinder, two jaws "
-                "that open along x, or a `mesh`."),
+                "Shape of the tool: the shovel, a sphere, a flat round plate, an upright cylinder, two jaws that open "
+                "along x, or a `mesh`."),
       {"tool", "name", "",
        WordValue{namesOf(builtInTools()), [](S& s, std::string_view v) { setTool(s, v); }, kOnlyRead},
        "A tool that the program brings along, drawn to size (below); instead of `shape` and `mesh`."},
@@ -303,10 +304,10 @@ Keys keysOfTool() {
                    s.tool.shape = ToolShape::kMesh;
                  },
                  kOnlyRead},
-       "A tool that somebody drew: an .stl, .obj, .glb or .gltf file, beside the scene file. Implies `shape`."},
+       "Mesh of the tool: an .stl, .obj, .glb or .gltf file, next to the scene file. Implies `shape`."},
       {"tool", "mesh_data", "",
        DataValue{[](S& s, std::string_view v) { readData(s.mesh, v); }, [](const S& s) { return dataOf(s.mesh); }},
-       "What the program writes in place of `mesh`: the file's format, a colon, and the file in base64."},
+       "Written by the program instead of `mesh`: format of the file, a colon, and the file in base64."},
       tool.number("stiffness_n_m", &ToolParameters::stiffness_n_m, ToolRanges::stiffness_n_m,
                   "Stiffness between tool and particle (paper 21)."),
       tool.number("damping_factor", &ToolParameters::damping_factor, ToolRanges::damping_factor,
@@ -330,7 +331,7 @@ Keys keysOfTool() {
 Keys keysOfHand() {
   const auto hand = memberKeys<S>("hand", &S::hand);
   return {
-      hand.word("manoeuvre", &HandParameters::manoeuvre, kManoeuvreWords, "What the hand does, over and over."),
+      hand.word("manoeuvre", &HandParameters::manoeuvre, kManoeuvreWords, "Motion of the hand, which repeats."),
       {"hand", "poses", "poses",
        PathValue{[](S& s, const std::filesystem::path& v) {
                    s.hand.poses_file = v.string();
@@ -340,9 +341,9 @@ Keys keysOfHand() {
                    return s.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(s.hand.poses_file)
                                                                 : std::filesystem::path();
                  }},
-       "A recorded movement: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, beside the scene file. Implies `manoeuvre`."},
+       "A recorded movement: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, next to the scene file. Implies `manoeuvre`."},
       hand.word("compliance", &HandParameters::compliance, kHandComplianceWords,
-                "Whether the hand yields to force like an arm or follows the manoeuvre whatever it feels."),
+                "Whether the hand yields to force like an arm or follows the motion exactly."),
       hand.number("mass_kg", &HandParameters::mass_kg, HandRanges::mass_kg, "Mass of the arm as the hand feels it."),
       hand.number("damping_n_s_m", &HandParameters::damping_n_s_m, HandRanges::damping_n_s_m, "Damping of the arm."),
       hand.number("stiffness_n_m", &HandParameters::stiffness_n_m, HandRanges::stiffness_n_m, "Stiffness of the arm."),
@@ -381,9 +382,9 @@ Keys keysOfLoop() {
                  "The only CPU that the loop's thread runs on; -1 leaves it to the system."),
 
       device.word("kind", &DeviceParameters::kind, kDeviceWords,
-                  "What the hand holds (devices.md); [hand] moves the virtual hand, a person the others."),
+                  "Haptic device (devices.md); [hand] moves the virtual hand, a user moves the others."),
       device.text("id", &DeviceParameters::id,
-                  "Which one, where there are several: as `haptolith devices` names them."),
+                  "Device to use when several are connected, as listed by `haptolith devices`."),
       device.text("address", &DeviceParameters::address,
                   "Where `network` listens [127.0.0.1:9050], or the service of `inverse3` is [ws://localhost:10001]."),
       device.number("delay_ms", &DeviceParameters::delay_s, DeviceRanges::delay_s, kMilliseconds,
@@ -403,7 +404,7 @@ Keys keysOfLoop() {
       mapping.number("force_scale", &MappingParameters::force_scale, MappingRanges::force_scale,
                      "Newtons at the hand for a newton on the tool."),
       mapping.count("clutch_button", &MappingParameters::clutch_button, MappingRanges::clutch_button,
-                    "While this button is down the tool stays where it is and the hand feels nothing; -1: none."),
+                    "While this button is pressed, the tool stays in place and no force is rendered; -1: none."),
       mapping.onOrOff("gripper", &MappingParameters::gripper,
                       "Whether the gripper opens and closes the tool's jaws, where both have some."),
   };
@@ -431,15 +432,15 @@ Keys keysOfHandling() {
 
       safety.number(
           "soft_start_s", &SafetyParameters::soft_start_s, SafetyRanges::soft_start_s,
-          "Forces grow from nothing in this time, at first and after every interruption; not at a simulated hand."),
+          "Time in which forces rise from zero, at the start and after every interruption; not with a simulated hand."),
       safety.number("soft_stop_s", &SafetyParameters::soft_stop_s, SafetyRanges::soft_stop_s,
-                    "Forces fall to nothing in this time when a run ends in good order; not at a simulated hand."),
+                    "Time in which forces fall to zero at a regular end of a run; not with a simulated hand."),
       safety.count("most_misses", &SafetyParameters::most_misses, SafetyRanges::most_misses,
-                   "Deadlines missed in a row that are borne before the hand is let go; not at a simulated hand."),
+                   "Tolerated number of consecutive missed deadlines before a safety trip; not with a simulated hand."),
       safety.number("heartbeat_ms", &SafetyParameters::heartbeat_s, SafetyRanges::heartbeat_s, kMilliseconds,
-                    "Without a tick for so long the hand is let go from outside the loop; not at a simulated hand."),
+                    "Time without a tick after which the watchdog sets the force to zero; not with a simulated hand."),
       safety.number("calm_s", &SafetyParameters::calm_s, SafetyRanges::calm_s,
-                    "All must have been well for so long before forces come back."),
+                    "Duration without a fault before forces return."),
       safety.onOrOff("passivity", &SafetyParameters::passivity, "Whether energy that soil could not give is damped."),
       {"safety", "max_force_n", "max_force_n",
        NumberValue{SafetyRanges::max_force_n, [](S& s, double v) { s.handling.safety.max_force_n = v; },
@@ -455,7 +456,7 @@ Keys keysOfHandling() {
 Keys allKeys() {
   const auto scene = memberKeys<S>("");
   Keys keys{
-      scene.text("title", &S::title, "What the scene shows, in a line."),
+      scene.text("title", &S::title, "Title of the scene, on one line."),
   };
   for (const auto& table :
        {keysOfSoil, keysOfWorld, keysOfBed, keysOfStones, keysOfTool, keysOfHand, keysOfLoop, keysOfHandling}) {

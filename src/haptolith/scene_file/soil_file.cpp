@@ -115,14 +115,10 @@ std::string soilLines(const SoilParameters& soil) {
 }
 
 std::string textOf(const SoilFile& file) {
-  std::string text = fmt::format(
-      "{}\n"
-      "# What an engineer measured.\n[target]\n{}\n"
-      "# What the macroparticles need to behave like that.\n[soil]\n{}",
-      linesOf("", file), linesOf("target", file), soilLines(file.soil));
+  std::string text = fmt::format("{}\n# Measured properties.\n[target]\n{}\n# Parameters of the particles.\n[soil]\n{}",
+                                 linesOf("", file), linesOf("target", file), soilLines(file.soil));
   if (file.reached) {
-    text +=
-        fmt::format("\n# What `haptolith lab calibrate` measured in the end.\n[reached]\n{}", linesOf("reached", file));
+    text += fmt::format("\n# Simulated by `haptolith lab calibrate`.\n[reached]\n{}", linesOf("reached", file));
   }
   return text;
 }

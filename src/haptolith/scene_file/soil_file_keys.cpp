@@ -18,8 +18,8 @@ std::vector<SoilFileKey> allSoilFileKeys() {
   const auto target = memberKeys<SoilFile>("target", &SoilFile::target);
   const auto reached = memberKeys<SoilFile>("reached", &SoilFile::reached);
   std::vector<SoilFileKey> keys{
-      file.text("name", &SoilFile::name, "What the soil is called."),
-      file.text("source", &SoilFile::source, "Where the measured values come from; may be left out.", TextSize::kPage),
+      file.text("name", &SoilFile::name, "Name of the soil."),
+      file.text("source", &SoilFile::source, "Source of the measured values; can be left out.", TextSize::kPage),
 
       target.number("bulk_density_kg_m3", &Target::bulk_density_kg_m3, Ranges::bulk_density_kg_m3, "Bulk density."),
       target.number("friction_angle_deg", &Target::friction_angle_deg, Ranges::friction_angle_deg,
@@ -30,7 +30,7 @@ std::vector<SoilFileKey> allSoilFileKeys() {
       target.interval("cohesion_range_pa", &Target::cohesion_range_pa, Ranges::cohesion_pa,
                       "Its uncertainty as the source gives it; may be left out."),
       target.word("strength", &Target::strength, kSoilStrengthWords,
-                  "Which strength the target is: after long shearing, or the greatest; left out: `residual`."),
+                  "Strength of the target: after large strain, or peak; left out: `residual`."),
 
       reached.number("friction_angle_deg", &Reached::friction_angle_deg, Ranges::friction_angle_deg,
                      "Angle of internal friction, mean over the seeds."),

@@ -45,14 +45,13 @@ std::vector<StoneKey> allStoneKeys() {
   using Stone = PlacedStone;
   const auto stone = memberKeys<Stone>("");
   std::vector<StoneKey> keys{
-      stone.word("shape", &Stone::form, kStoneFormWords,
-                 "An angular rock, a ball, or the `spheres_mm` that it is made of."),
+      stone.word("shape", &Stone::form, kStoneFormWords, "An angular rock, a sphere, or the union of `spheres_mm`."),
       stone.number("size_mm", &Stone::size_m, kStoneSize_m, kMillimetres,
-                   "Diameter of the ball of its volume; not for `spheres`."),
+                   "Diameter of a sphere of equal volume; not for `spheres`."),
       stone.count("seed", &Stone::seed, StonesRanges::seed, "One seed, one rock."),
       {"", "spheres_mm", "spheres",
        StoneKey::ItemsValue{"x, y, z and radius of each sphere, one after the other", setSpheres},
-       "The spheres of a stone of your own, wherever its middle is."},
+       "Spheres of a custom stone; its centre is computed."},
       stone.number("x_mm", &Stone::x_m, StonesRanges::place_m, kMillimetres, "Where its middle is along x."),
       stone.number("y_mm", &Stone::y_m, StonesRanges::place_m, kMillimetres, "Where its middle is along y."),
       stone.number("depth_mm", &Stone::depth_m, StonesRanges::depth_m, kMillimetres,

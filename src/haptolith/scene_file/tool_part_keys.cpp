@@ -18,7 +18,7 @@ constexpr KeyName kPart{"", "tool_part"};
 std::vector<ToolPartKey> allPartKeys() {
   const auto part = memberKeys<ToolPart>("");
   std::vector<ToolPartKey> keys{
-      part.word("shape", &ToolPart::form, kToolPartWords, "A box, a ball or an upright cylinder."),
+      part.word("shape", &ToolPart::form, kToolPartWords, "A box, a sphere or an upright cylinder."),
       part.vector("size_mm", &ToolPart::size_m, ToolPartRanges::length_m, kMillimetres,
                   "Edges of the `box` along its x, y and z."),
       part.number("diameter_mm", &ToolPart::diameter_m, ToolPartRanges::length_m, kMillimetres,

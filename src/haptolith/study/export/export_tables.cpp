@@ -44,11 +44,11 @@ std::vector<FilledColumn<TrialOf>> designColumns() {
        [](const TrialOf& of) { return fmt::format("{}", of.participant.number); }},
       {{"participant_state",
         "",
-        "What has become of the participant.",
+        "State of the participant.",
         "",
         {{"running", "has not finished"},
          {"finished", "has"},
-         {"withdrawn", "ended it; figures leave them out"},
+         {"withdrawn", "withdrew; figures leave them out"},
          {"excluded", "is left out by the experimenter"}}},
        [](const TrialOf& of) { return std::string(standingOf(of.participant)); }},
       {{"excluded_for", "", "Why the participant is left out by the experimenter.", ""},
@@ -62,20 +62,20 @@ std::vector<FilledColumn<TrialOf>> designColumns() {
        [](const TrialOf& of) { return fmt::format("{}", of.trial.attempt + 1); }},
       {{"kind",
         "trial_type",
-        "What the trial is for.",
+        "Purpose of the trial.",
         "",
-        {{"practice", "before the others; counts for nothing"},
+        {{"practice", "before the others; does not count"},
          {"main", "counts for the curve"},
          {"catch", "an easy one that shows whether the participant attends"}}},
        [](const TrialOf& of) { return std::string(wordOf(of.trial.kind)); }},
       {{"state",
         "state",
-        "What became of it; only answered trials count.",
+        "State of the trial; only answered trials count.",
         "",
-        {{"begun", "under way, or cut off by a crash"},
+        {{"begun", "running, or interrupted by a crash"},
          {"answered", "has its answer"},
-         {"repeated", "done again by the experimenter's wish; the answer, if any, does not count"},
-         {"lost", "ended without an answer and done again"}}},
+         {"repeated", "repeated by the experimenter; the answer, if any, does not count"},
+         {"lost", "ended without an answer and repeated"}}},
        [](const TrialOf& of) { return std::string(wordOf(of.trial.state)); }},
       {{"level", "level", "Name of the test stimulus.", ""}, [](const TrialOf& of) { return of.trial.level; }},
       {{"x", "x", "Value of the test stimulus on the block's axis.", ""},
@@ -96,18 +96,18 @@ std::vector<FilledColumn<TrialOf>> answerColumns() {
   return {
       {{"response",
         "response",
-        "The answer, whichever way it was asked.",
+        "The answer, independent of the form of the question.",
         "",
-        {{"0", "the test was said to have less than the reference"}, {"1", "the test was said to have more"}}},
+        {{"0", "the participant judged the test to have less than the reference"},
+         {"1", "the participant judged the test to have more"}}},
        ofAnswer([](const TrialAnswer& a) { return a.timed_out || a.teleop ? "" : textOf(a.positive); })},
-      {{"correct", "correct", "Whether that is so.", "", {{"0", "no"}, {"1", "yes"}}},
+      {{"correct", "correct", "Whether the answer is correct.", "", {{"0", "no"}, {"1", "yes"}}},
        ofAnswer([](const TrialAnswer& a) { return a.correct ? textOf(*a.correct) : ""; })},
       {{"response_time_s", "response_time", "From the question to the answer.", "s"},
        ofAnswer([](const TrialAnswer& a) { return textOf(a.reaction_s); })},
       {{"timed_out",
         "timed_out",
-        "Whether the time for an answer was over before one came; such a trial is called lost and done again, so that "
-        "it is "
+        "Whether the time for an answer ended without one; such a trial is marked as lost and repeated, so this is "
         "always 0.",
         "",
         {{"0", "no"}, {"1", "yes"}}},
@@ -121,7 +121,7 @@ std::vector<FilledColumn<TrialOf>> workColumns() {
   for (const TeleopColumn& number : teleopColumns()) {
     const std::string full = fmt::format("teleop_{}", number.name);
     columns.push_back(
-        {{full, full, fmt::format("Of work for a robot: {}", number.meaning), std::string(number.unit)},
+        {{full, full, fmt::format("Robot task: {}", number.meaning), std::string(number.unit)},
          ofAnswer([=](const TrialAnswer& a) { return a.teleop ? textOf((*a.teleop).*number.value) : ""; })});
   }
   return columns;
@@ -134,12 +134,14 @@ std::vector<FilledColumn<TrialOf>> intervalColumns() {
     for (const SummaryColumn& number : summaryColumns()) {
       const std::string full = fmt::format("{}_{}", name, number.name);
       columns.push_back(
-          {{full, full, fmt::format("Of the {} stimulus: {}", name, number.meaning), std::string(number.unit)},
+          {{full, full, fmt::format("{} stimulus: {}", interval == 0 ? "First" : "Second", number.meaning),
+            std::string(number.unit)},
            ofAnswer([=](const TrialAnswer& a) { return textOf(a.summaries[interval].*number.value); })});
     }
     const std::string full = name + "_deadline_misses";
     columns.push_back(
-        {{full, full, fmt::format("Of the {} stimulus: ticks of the loop that came late.", name), ""},
+        {{full, full, fmt::format("{} stimulus: number of late ticks of the loop.", interval == 0 ? "First" : "Second"),
+          ""},
          ofAnswer([=](const TrialAnswer& a) { return fmt::format("{}", a.summaries[interval].deadline_misses); })});
   }
   return columns;
@@ -181,11 +183,12 @@ std::vector<FilledColumn<TrialOf>> recordColumns() {
        [](const TrialOf& of) { return of.trial.recording; }},
       {{"recording_state",
         "recording_state",
-        "What has become of them.",
+        "State of the recordings.",
         "",
-        {{"whole", "they are there, to their ends"},
-         {"unfinished", "one was cut off when the program was killed; haptolith reads it, other programs may not"},
-         {"missing", "one is not in the folder"}}},
+        {{"whole", "complete"},
+         {"unfinished",
+          "one was interrupted when the program was killed; haptolith can read it, other programs may not"},
+         {"missing", "one is missing in the folder"}}},
        recordingState},
       {{"begun_at", "begun_at", "When it began, UTC.", ""}, [](const TrialOf& of) { return of.trial.begun_at; }},
       {{"answered_at", "answered_at", "When it was answered, UTC.", ""},
@@ -203,14 +206,14 @@ std::vector<FilledColumn<SessionOf>> sessionColumnsMade() {
       {{"participant", "", "Pseudonym of the participant.", ""}, [](const SessionOf& of) { return of.code; }},
       {{"kind",
         "Kind",
-        "How it came about.",
+        "Start of the session.",
         "",
         {{"run", "the participant began"},
-         {"resume", "the participant came back"},
+         {"resume", "the participant returned"},
          {"simulate", "the participant was simulated"}}},
        [](const SessionOf& of) { return of.session.kind; }},
       {{"begun_at", "BegunAt", "When it began, UTC.", ""}, [](const SessionOf& of) { return of.session.begun_at; }},
-      {{"ended_at", "EndedAt", "When it ended, UTC; missing: under way, or cut off by a crash.", ""},
+      {{"ended_at", "EndedAt", "When it ended, UTC; missing: running, or interrupted by a crash.", ""},
        [](const SessionOf& of) { return of.session.ended_at; }},
       {{"program_version", "SoftwareVersion", "Version of haptolith.", ""},
        [](const SessionOf& of) { return of.session.program_version; }},
@@ -224,13 +227,13 @@ std::vector<FilledColumn<SessionOf>> sessionColumnsMade() {
        [](const SessionOf& of) { return of.session.loop_rate_hz ? textOf(*of.session.loop_rate_hz) : ""; }},
       {{"ticks", "Ticks", "Ticks of the loop in the session.", ""},
        [](const SessionOf& of) { return textOf(of.session.counts, &SessionCounts::ticks); }},
-      {{"missed_ticks", "MissedTicks", "How many of them ended late.", ""},
+      {{"missed_ticks", "MissedTicks", "Number of late ticks.", ""},
        [](const SessionOf& of) { return textOf(of.session.counts, &SessionCounts::missed_ticks); }},
-      {{"safety_trips", "SafetyTrips", "How often the safety layer let go of the hand.", ""},
+      {{"safety_trips", "SafetyTrips", "Number of safety trips.", ""},
        [](const SessionOf& of) { return textOf(of.session.counts, &SessionCounts::safety_trips); }},
       {{"protocol_sha256", "ProtocolSHA256", "SHA-256 of the protocol's text.", ""},
        [](const SessionOf& of) { return of.session.protocol_sha256; }},
-      {{"simulation", "Simulation", "What the participant was simulated with, as JSON; missing: a person took part.",
+      {{"simulation", "Simulation", "Parameters of the simulated participant, as JSON; missing: a person participated.",
         ""},
        [](const SessionOf& of) { return of.session.simulation; }},
   };

@@ -156,40 +156,39 @@ std::vector<ProtocolKey> allProtocolKeys() {
   const auto protocol = memberKeys<D>("", &D::protocol);
   const auto assignment = memberKeys<D>("assignment", &D::protocol, &StudyProtocol::assignment);
   return {
-      protocol.text("title", &StudyProtocol::title, "What the study is about, in a line; participants see it."),
+      protocol.text("title", &StudyProtocol::title, "Title of the study, on one line; shown to participants."),
       protocol.text("consent", &StudyProtocol::consent,
-                    "What a participant agrees to before anything else; paragraphs are split by blank lines. Left out: "
-                    "no such page.",
+                    "Consent text, shown first; blank lines separate paragraphs. Left out: no consent page.",
                     TextSize::kPage),
-      protocol.text(
-          "consent_version", &StudyProtocol::consent_version,
-          "What you call this consent text (a date, a number); it is kept with each consent. Left out: its SHA-256."),
-      protocol.text("language", &StudyProtocol::language, "Language of the texts, as BCP 47 has it; left out: `en`."),
+      protocol.text("consent_version", &StudyProtocol::consent_version,
+                    "Version of the consent text (a date, a number), stored with each consent. Left out: its SHA-256."),
+      protocol.text("language", &StudyProtocol::language,
+                    "Language of the texts, as a BCP 47 tag; the participant's page has fixed words in `en` and `de`. "
+                    "Left out: `en`."),
       {"", "authors", "",
        ProtocolKey::ItemsValue{
            "texts", [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.authors = textsOf(items); }},
-       "Whose study it is, for BIDS exports: a text for each person."},
-      protocol.text("instructions", &StudyProtocol::instructions, "What is read before the first block.",
+       "Authors of the study, for BIDS exports: a text for each person."},
+      protocol.text("instructions", &StudyProtocol::instructions, "Instructions before the first block.",
                     TextSize::kPage),
-      protocol.text("thanks", &StudyProtocol::thanks, "What is read at the end.", TextSize::kPage),
+      protocol.text("thanks", &StudyProtocol::thanks, "Text at the end of the study.", TextSize::kPage),
       {"", "scene", "",
        ProtocolKey::PathValue{[](D& d, const std::filesystem::path& v) { d.scene_file = v; }, kOnlyRead},
-       "A scene file (scenes.md), beside the protocol, or the name of a built-in scene; left out: the paper's "
-       "scene."},
+       "A scene file (scenes.md), next to the protocol, or the name of a built-in scene; left out: the paper's scene."},
       protocol.word("order", &StudyProtocol::order, kOrderWords,
                     "In what order a participant comes to the blocks: as they stand, balanced over participants, or "
                     "drawn for each; left out: `fixed`."),
       protocol.onOrOff("record", &StudyProtocol::record,
-                       "Whether each trial goes into a recording of its own (recording.md); left out: true."),
+                       "Whether each trial is recorded in a separate file (recording.md); left out: true."),
       {"", "questionnaire", "",
        ProtocolKey::WordValue{kQuestionnaires, [](D& d, std::string_view) { d.task_load_index = true; }, kOnlyRead},
        "A questionnaire after the last block, before the items of `[[item]]`."},
       protocol.count("participants", &StudyProtocol::planned_participants, {1, 10'000},
-                     "How many participants shall finish: the stopping rule, which `study status` and the "
-                     "preregistration tell. Left out: no rule."),
+                     "Number of participants that should finish: the stopping rule, reported by `study status` and the "
+                     "preregistration. Left out: no rule."),
       assignment.word("method", &GroupAssignment::method, kAssignmentWords,
-                      "Who comes into which group: in turn, in permuted blocks (as many of each group as its share, in "
-                      "an order that is drawn), or in permuted blocks within each stratum; left out: `random`."),
+                      "Allocation to groups: alternating, in permuted blocks (each group in proportion to its share, "
+                      "in random order), or in permuted blocks within each stratum; left out: `random`."),
       assignment.count(
           "block_size", &GroupAssignment::block_size, {2, 1000},
           "How many participants a permuted block has: a multiple of the sum of all shares; left out: twice that sum."),
@@ -208,7 +207,7 @@ std::vector<GroupKey> allGroupKeys() {
   return {
       {"", "name", "",
        GroupKey::TextValue{[](D& d, std::string_view v) { d.group.name = nameOf("name", v, ""); }, kOnlyRead},
-       "What tables call the group: letters and digits. Neither participants nor their pages are told it."},
+       "Name of the group in tables: letters and digits. It is not shown to participants."},
       {"", "blocks", "",
        GroupKey::ItemsValue{"names of blocks",
                             [](D& d, const std::vector<TextOrNumber>& items) { d.blocks = textsOf(items); }},
@@ -226,39 +225,39 @@ std::vector<BlockKey> designKeys() {
   return {
       {"", "name", "",
        BlockKey::TextValue{[](D& d, std::string_view v) { d.block.name = nameOf("name", v, ""); }, kOnlyRead},
-       "What files and tables call the block: letters and digits."},
-      block.text("title", &StudyBlock::title, "What participants see above it; left out: nothing."),
-      block.text("instructions", &StudyBlock::instructions, "What is read before its first trial.", TextSize::kPage),
+       "Name of the block in files and tables: letters and digits."},
+      block.text("title", &StudyBlock::title, "Title that is shown to participants; left out: none."),
+      block.text("instructions", &StudyBlock::instructions, "Instructions before its first trial.", TextSize::kPage),
       block.text("hypothesis", &StudyBlock::hypothesis,
-                 "What is expected of the block, for the preregistration; nobody sees it while the study runs. Left "
-                 "out: none.",
+                 "Hypothesis for the preregistration; not shown while the study runs. Left out: none.",
                  TextSize::kPage),
-      block.text("question", &StudyBlock::question, "What is asked after the two stimuli.", TextSize::kPage),
+      block.text("question", &StudyBlock::question, "Question after the two stimuli.", TextSize::kPage),
       {"", "answers", "", BlockKey::ItemsValue{"two different texts", setAnswers},
        "The two answers, left and right: first \"the second had less\", then \"the second had more\"; with "
        "`two-interval` the first and the second stimulus."},
       {"", "varies", "", BlockKey::WordValue{variedThings(), [](D& d, std::string_view v) { d.varies = v; }, kOnlyRead},
-       "What differs between test and reference: the soil as a preset or by name, the celestial body, or one number of "
+       "Difference between test and reference: the soil as a preset or by name, the celestial body, or one number of "
        "the scene (`[block.scene]` has them). `friction_coefficient` is the tangent of the friction angle, of which "
        "the paper's Weber fraction is one: 0.29 of it is 0.18 of an angle of 40°."},
       {"", "reference", "", BlockKey::ItemsValue{"a name, or a number", [](D& d, const auto& v) { d.reference = v; }},
-       "What each test is compared with."},
+       "Stimulus that each test is compared with."},
       {"", "levels", "",
        BlockKey::ItemsValue{"names, or numbers, at least two", [](D& d, const auto& v) { d.levels = v; }},
-       "What is compared with the reference, in any order; two at least."},
+       "Stimuli that are compared with the reference, in any order; at least two."},
       {"", "values", "", BlockKey::ItemsValue{"a number for each level", [](D& d, const auto& v) { d.values = v; }},
-       "Where the levels lie on the axis, in the same order; needed for soils by name. Left out: a preset's "
+       "Values of the levels on the axis, in the same order; needed for soils by name. Left out: a preset's "
        "coefficient of friction (paper, Table II), a body's gravity, a number itself."},
       draft.number("reference_value", &D::reference_value, kAnyNumber,
-                   "Where the reference lies on the axis; needed with `values`."),
-      block.text("axis_label", &StudyBlock::axis_label,
-                 "What the axis shows, with its unit; left out: the name of what varies. Needed for soils by name."),
+                   "Value of the reference on the axis; needed with `values`."),
+      block.text(
+          "axis_label", &StudyBlock::axis_label,
+          "Label of the axis, with its unit; left out: the name of the varied quantity. Needed for soils by name."),
       block.onOrOff("log_axis", &StudyBlock::log_axis, "Whether curves are drawn over the logarithm; left out: false."),
       block.word("task", &StudyBlock::task, kTaskWords,
-                 "What comes first and what is asked: reference, then test; the same question with the order drawn; or "
-                 "which of the two. Left out: `reference-first`, the paper's."),
+                 "Order and question: reference, then test; the same question in random order; or which of the two. "
+                 "Left out: `reference-first`, the paper's."),
       block.word("procedure", &StudyBlock::procedure, kProcedureWords,
-                 "What chooses the levels: a list made beforehand, or the answers so far; left out: `constant`."),
+                 "Choice of the levels: a fixed list, or adaptive; left out: `constant`."),
       block.count("repeats", &StudyBlock::repeats, {1, 1000},
                   "How often each level is shown; for `constant`. Left out: 3."),
   };
@@ -269,35 +268,36 @@ std::vector<BlockKey> courseKeys() {
   const auto block = memberKeys<D>("", &D::block);
   return {
       block.count("practice_trials", &StudyBlock::practice_trials, kTrials,
-                  "Trials before the others, which count for nothing."),
+                  "Practice trials before the others, which do not count."),
       {"", "practice_levels", "",
        BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.practice_levels = v; }},
-       "What practice shows, each equally often, to one: levels, or others that are easier. Left out: the levels."},
+       "Stimuli of the practice trials, each equally often (within one): levels, or easier ones. Left out: the "
+       "levels."},
       block.number(
           "practice_criterion", &StudyBlock::practice_criterion, kShare,
-          "Share of right answers in a round of practice that ends practice; otherwise another round comes, up to "
-          "`practice_rounds`. A participant who never reaches it goes on, and is reported. Left out: 0."),
+          "Fraction of correct answers in a round of practice that ends practice; otherwise another round follows, up "
+          "to `practice_rounds`. A participant who never reaches it continues, and is reported. Left out: 0."),
       block.count("practice_rounds", &StudyBlock::practice_rounds, {1, 20},
                   "Rounds of `practice_trials` trials at most; left out: 1."),
       block.count("catch_trials", &StudyBlock::catch_trials, kTrials,
                   "Easy trials among the others: they show whether a participant attends."),
       {"", "catch_levels", "",
        BlockKey::ItemsValue{"names, or numbers", [](D& d, const auto& v) { d.catch_levels = v; }},
-       "What catch trials show, each equally often, in random order: levels, or others that are easier still. Left "
-       "out: the level farthest from the reference."},
+       "Stimuli of the catch trials, each equally often, in random order: levels, or easier ones. Left out: the level "
+       "farthest from the reference."},
       block.number("catch_criterion", &StudyBlock::catch_criterion, kShare,
                    "Share of right answers in catch trials below which a participant is reported; left out: 0."),
       block.onOrOff("feedback", &StudyBlock::feedback,
-                    "Whether a participant is told that an answer was right; left out: false."),
+                    "Whether the page shows if an answer was correct; left out: false."),
       block.onOrOff("practice_feedback", &StudyBlock::practice_feedback,
-                    "The same in practice trials; left out: true."),
+                    "Whether the page shows this in practice trials; left out: true."),
       block.onOrOff("visual", &StudyBlock::visual,
                     "Whether the scene is seen while it is felt; false for haptics alone. Left out: true."),
       block.number("visual_delay_s", &StudyBlock::visual_delay_s, kVisualDelay_s,
                    "How much later than the force its picture is seen; left out: 0. Until then the picture shows the "
                    "soil as it was before."),
       block.number("interval_s", &StudyBlock::interval_s, kSeconds,
-                   "Longest time with one stimulus; 0: until the participant goes on."),
+                   "Longest time with one stimulus; 0: until the participant continues."),
       block.number("between_intervals_s", &StudyBlock::between_intervals_s, kSeconds,
                    "From the end of the first stimulus to the beginning of the second; left out: 0.25, which is long "
                    "enough for any change of soil."),
@@ -344,17 +344,17 @@ std::vector<BlockKey> procedureKeys() {
                            [](D& d, std::string_view v) { d.block.quest_plus.sigmoid = sigmoidNamed(v); }, kOnlyRead},
        "Shape of the psychometric function; left out: `weber` (paper 22)."},
       {"quest_plus", "design", "", BlockKey::TextValue{setDesign, kOnlyRead},
-       "Its asymptotes: `equal-asymptote` (who does not attend says \"more\" as often as \"less\"), `2afc`, `3afc`, "
-       "... `100afc` (a lower asymptote of one half, one third, ...: the levels lie on one side of the reference), or "
-       "`yesno` (a lower asymptote of its own). Left out: `equal-asymptote`."},
+       "Its asymptotes: `equal-asymptote` (lapses are \"more\" as often as \"less\"), `2afc`, `3afc`, ... `100afc` (a "
+       "lower asymptote of one half, one third, ...: the levels lie on one side of the reference), or `yesno` (a "
+       "separate lower asymptote). Left out: `equal-asymptote`."},
       {"quest_plus", "thresholds", "", ofQuestPlus(&QuestPlusOptions::thresholds),
-       "Thresholds that are thought possible, on the axis; left out: 15 within the levels, about the reference."},
+       "Possible thresholds, on the axis; left out: 15 within the levels, around the reference."},
       {"quest_plus", "widths", "", ofQuestPlus(&QuestPlusOptions::widths),
-       "Widths that are thought possible, with `weber` Weber fractions; left out: 25 that the levels can tell apart."},
+       "Possible widths, with `weber` Weber fractions; left out: 25 that the levels can resolve."},
       {"quest_plus", "lapses", "", ofQuestPlus(&QuestPlusOptions::lapses),
-       "Lapse rates that are thought possible; left out: 0, 0.02 and 0.05."},
+       "Possible lapse rates; left out: 0, 0.02 and 0.05."},
       {"quest_plus", "guesses", "", ofQuestPlus(&QuestPlusOptions::guesses),
-       "Lower asymptotes that are thought possible, for `yesno`; left out: 0, 0.02 and 0.05."},
+       "Possible lower asymptotes, for `yesno`; left out: 0, 0.02 and 0.05."},
       quest_plus.count("trials", &QuestPlusOptions::trials, {1, 1000}, "Trials that end the procedure; left out: 30."),
       quest_plus.number(
           "enough_spread", &QuestPlusOptions::enough_spread, {0, 10},
@@ -384,7 +384,7 @@ std::vector<BlockKey> sceneKeys() {
        BlockKey::WordValue{namesOf(kFrictionWords),
                            [](D& d, std::string_view v) { d.block.scene.friction = valueOf(kFrictionWords, v); },
                            kOnlyRead},
-       "What friction acts against (scenes.md)."},
+       "Friction model (scenes.md)."},
       sliderKey("friction_angle_deg", {1, 70}, "Friction angle of the soil; for `paper` friction."),
       sliderKey("cohesion_pa", {0, kNoLimit}, "Its cohesion; for `paper` friction."),
   };
@@ -406,13 +406,12 @@ std::vector<BlockKey> teleopKeys() {
   using D = BlockDraft;
   const auto teleop = memberKeys<D>("teleop", &D::teleop);
   return {
-      teleop.word(
-          "task", &TeleopWork::task, kSiteTaskWords,
-          "What is to be done at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the "
-          "soil with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."),
+      teleop.word("task", &TeleopWork::task, kSiteTaskWords,
+                  "Task at the robot's site: a trench 40 mm deep and 60 mm long, the tool's face pressed on the soil "
+                  "with 8 N, within a tenth and for half a second, or a load of 0.1 N held in the air for as long."),
       teleop.word("felt", &TeleopWork::force, kTeleopForceWords,
-                  "What the hand feels meanwhile: nothing, the block's scene as a model that stays as it is, or as one "
-                  "that learns from what the robot meets and sees."),
+                  "Rendered force: none, the block's scene as a static model, or as a model that adapts to the robot's "
+                  "forces and camera."),
       teleop.number("round_trip_s", &TeleopWork::round_trip_s, kRoundTrip_s,
                     "Delay to the robot and back; half of it each way."),
       teleop.text("site", &TeleopWork::site,
@@ -442,20 +441,20 @@ std::vector<ItemKey> allItemKeys() {
   return {
       {"", "key", "",
        ItemKey::TextValue{[](FormItem& i, std::string_view v) { i.key = nameOf("key", v, "_"); }, kOnlyRead},
-       "What tables call the answer: letters, digits and _."},
+       "Name of the answer in tables: letters, digits and _."},
       item.text("label", &FormItem::label, "The question.", TextSize::kPage),
-      item.word("kind", &FormItem::kind, kItemWords, "How it is answered; left out: `text`."),
+      item.word("kind", &FormItem::kind, kItemWords, "Type of the answer; left out: `text`."),
       {"", "choices", "",
        ItemKey::ItemsValue{"texts, at least two", [](FormItem& i, const auto& v) { i.choices = textsOf(v); }},
-       "What can be chosen; for `choice`."},
-      item.number("low", &FormItem::low, kAnyNumber, "The least a number may be, or the left end of a scale."),
-      item.number("high", &FormItem::high, kAnyNumber, "The most a number may be, or the right end of a scale."),
-      item.text("low_label", &FormItem::low_label, "What the left end of a scale stands for."),
-      item.text("high_label", &FormItem::high_label, "What the right end of a scale stands for."),
+       "Choices; for `choice`."},
+      item.number("low", &FormItem::low, kAnyNumber, "Minimum of a number, or the left end of a scale."),
+      item.number("high", &FormItem::high, kAnyNumber, "Maximum of a number, or the right end of a scale."),
+      item.text("low_label", &FormItem::low_label, "Label of the left end of a scale."),
+      item.text("high_label", &FormItem::high_label, "Label of the right end of a scale."),
       {"", "cut_points", "",
        ItemKey::ItemsValue{"numbers, the least first", [](FormItem& i, const auto& v) { i.cut_points = numbersOf(v); }},
        "Where a number or scale is cut into strata, for `[assignment] strata`; a cut belongs to the part above it."},
-      item.onOrOff("required", &FormItem::required, "Whether it has to be answered; left out: false."),
+      item.onOrOff("required", &FormItem::required, "Whether an answer is required; left out: false."),
       item.onOrOff("personal", &FormItem::personal,
                    "Whether the answer could identify the participant: it is kept apart, and exported only when asked "
                    "for. Left out: false."),

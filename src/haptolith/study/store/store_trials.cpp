@@ -30,7 +30,7 @@ constexpr std::array kStateWords{
 };
 
 constexpr std::array kSummaryColumns{
-    SummaryColumn{"duration_s", "s", "How long the stimulus was summary.", &TrialSummary::duration_s},
+    SummaryColumn{"duration_s", "s", "Duration of the stimulus.", &TrialSummary::duration_s},
     SummaryColumn{"path_m", "m", "Length of the tool's path.", &TrialSummary::path_m},
     SummaryColumn{"peak_speed_m_s", "m/s", "Largest speed of the tool.", &TrialSummary::peak_speed_m_s},
     SummaryColumn{"mean_speed_m_s", "m/s", "Mean speed of the tool.", &TrialSummary::mean_speed_m_s},
@@ -42,26 +42,25 @@ constexpr std::array kSummaryColumns{
 };
 
 constexpr std::array kTeleopColumns{
-    TeleopColumn{"done", "",
-                 "Whether it was seen to be done at the robot's site: 1, or 0 when the time was over before.",
+    TeleopColumn{"done", "", "1 when the task was completed at the robot's site, 0 when its time was over.",
                  &TeleopSummary::done},
-    TeleopColumn{"time_s", "s", "Task time: until it was seen to be done, or the time was over.",
-                 &TeleopSummary::time_s},
-    TeleopColumn{"follows_s", "s", "Of that, until the robot was first heard to follow the hand; missing: never.",
+    TeleopColumn{"time_s", "s", "Task time: until completion, or until the time was over.", &TeleopSummary::time_s},
+    TeleopColumn{"follows_s", "s",
+                 "Part of it until the robot first reported that it follows the hand; missing: never.",
                  &TeleopSummary::follows_s},
-    TeleopColumn{"reached", "",
-                 "What was seen to be reached: a trench's depth in m, or the force of a press or a load in N.",
+    TeleopColumn{"reached", "", "Reached value: depth of a trench in m, or force of a press or a load in N.",
                  &TeleopSummary::reached},
-    TeleopColumn{"force_error", "",
-                 "RMS of force felt less force met at the same command, over RMS of force met, in windows of 0.2 s.",
-                 &TeleopSummary::force_error},
+    TeleopColumn{
+        "force_error", "",
+        "RMS of rendered minus remote force at the same command, over RMS of remote force, in windows of 0.2 s.",
+        &TeleopSummary::force_error},
     TeleopColumn{"met_rms_n", "N", "RMS of the force on the robot's tool, in such windows.", &TeleopSummary::met_rms_n},
     TeleopColumn{"met_peak_n", "N", "Largest force on the robot's tool, in such windows.", &TeleopSummary::met_peak_n},
-    TeleopColumn{"stops", "", "How often the robot was heard to stop by itself.", &TeleopSummary::stops},
-    TeleopColumn{"friction_angle_deg", "deg", "Friction angle of the soil that the model has learned.",
+    TeleopColumn{"stops", "", "Number of stops that the robot reported.", &TeleopSummary::stops},
+    TeleopColumn{"friction_angle_deg", "deg", "Friction angle of the adapted model.",
                  &TeleopSummary::friction_angle_deg},
-    TeleopColumn{"cohesion_pa", "Pa", "Its cohesion.", &TeleopSummary::cohesion_pa},
-    TeleopColumn{"tool_friction_angle_deg", "deg", "Its friction angle on the tool.",
+    TeleopColumn{"cohesion_pa", "Pa", "Cohesion of the adapted model.", &TeleopSummary::cohesion_pa},
+    TeleopColumn{"tool_friction_angle_deg", "deg", "Soil-tool friction angle of the adapted model.",
                  &TeleopSummary::tool_friction_angle_deg},
 };
 
@@ -245,14 +244,14 @@ std::int64_t StudyStore::beginTrial(const TrialBegun& trial) {
     implementation_->requireParticipant(trial.participant);
     if (prepared(database, "SELECT 1 FROM trial WHERE participant = ? AND state = 'begun'", trial.participant)
             .executeStep()) {
-      throw Failure(fmt::format("{}: a trial is under way: answer it or call it lost before the next one begins",
+      throw Failure(fmt::format("{}: a trial is running: answer it or mark it as lost before the next one begins",
                                 implementation_->file.string()));
     }
     if (prepared(database,
                  "SELECT 1 FROM trial WHERE participant = ? AND block = ? AND trial = ? AND state = 'answered'",
                  trial.participant, trial.block, trial.index)
             .executeStep()) {
-      throw Failure(fmt::format("{}: trial {} of block '{}' has an answer already", implementation_->file.string(),
+      throw Failure(fmt::format("{}: trial {} of block '{}' already has an answer", implementation_->file.string(),
                                 trial.index, trial.block_name));
     }
     execute(
@@ -271,7 +270,7 @@ void StudyStore::answerTrial(std::int64_t id, const TrialAnswer& answer) {
   SQLite::Database& database = *implementation_->database;
   implementation_->write([&] {
     if (const TrialState state = implementation_->stateOf(id); state != TrialState::kBegun) {
-      throw Failure(fmt::format("{}: trial {} is {}: only one that is under way takes an answer",
+      throw Failure(fmt::format("{}: trial {} is {}: only a running trial takes an answer",
                                 implementation_->file.string(), id, wordOf(state)));
     }
     execute(database, "INSERT INTO answer (trial, positive, correct, reaction_s, timed_out) VALUES (?, ?, ?, ?, ?)", id,
@@ -294,7 +293,7 @@ void StudyStore::voidTrial(std::int64_t id, TrialState state, std::string_view r
     const TrialState now = implementation_->stateOf(id);
     const bool allowed = now == TrialState::kBegun || (now == TrialState::kAnswered && state == TrialState::kRepeated);
     if (!allowed) {
-      throw Failure(fmt::format("{}: trial {} is {}: it cannot be called {}", implementation_->file.string(), id,
+      throw Failure(fmt::format("{}: trial {} is {}: it cannot be marked as {}", implementation_->file.string(), id,
                                 wordOf(now), wordOf(state)));
     }
     return execute(*implementation_->database, "UPDATE trial SET state = ?, reason = ? WHERE id = ?", wordOf(state),
