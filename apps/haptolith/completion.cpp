@@ -43,8 +43,9 @@ struct Command {
 
 // --- from CLI11 to the tree -----------------------------------------------------------------------------------------
 
-std::string firstLine(const std::string& text) {
-  return text.substr(0, text.find('\n'));
+/// First sentence of a description.
+std::string summaryOf(const std::string& text) {
+  return text.substr(0, std::min(text.find('\n'), text.find(". ")));
 }
 
 /// Splits "a,b->1" of CLI11's "{a,b->1}" into {"a", "b"}.
@@ -101,13 +102,13 @@ Argument argumentOf(const CLI::Option& option) {
     argument.names.push_back("--" + name);
   }
   argument.choices = choicesOf(option);
-  argument.description = firstLine(option.get_description());
+  argument.description = summaryOf(option.get_description());
   argument.takes_value = option.get_items_expected_max() > 0;
   return argument;
 }
 
 Command commandOf(const CLI::App& app, const std::string& path) {
-  Command command{path, firstLine(app.get_description()), {}, {}};
+  Command command{path, summaryOf(app.get_description()), {}, {}};
   for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (!subcommand->get_name().empty() && !subcommand->get_group().empty()) {
       command.subcommands.push_back(commandOf(*subcommand, path + " " + subcommand->get_name()));
@@ -295,7 +296,7 @@ function __haptolith_at
 void addCompletionCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("completion", kCompletionDescription);
   auto shell = std::make_shared<std::string>();
-  command->add_option("shell", *shell, "The shell")->required()->check(oneOf({"bash", "zsh", "fish"}));
+  command->add_option("shell", *shell, "Shell")->required()->check(oneOf({"bash", "zsh", "fish"}));
   command->footer("Examples:\n  source <(haptolith completion bash)\n  haptolith completion fish | source");
   command->callback([&app, shell] {
     const Command root = commandOf(app, "haptolith");

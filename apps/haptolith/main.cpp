@@ -10,6 +10,8 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/bed/start/tile_cache.h"
@@ -30,19 +32,20 @@ namespace {
 enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 
 constexpr const char* kProgramExamples = R"(Examples:
-  haptolith run                          soil of the Moon, felt by a virtual hand
-  haptolith run paper                    the paper's scene
-  haptolith run scenes/rain.toml         one from a file (docs/reference/scenes.md)
-  haptolith snapshot --out view.png      a picture of a run, without a screen
-  haptolith soil profile --preset P3     density and strength over depth
-  haptolith lab shear --soil dry-sand    what a soil laboratory would measure
-  haptolith doctor                       can this machine run it in real time?
+  haptolith run                          run lunar soil with a virtual hand
+  haptolith run paper                    run the scene of the ICRA 2021 paper
+  haptolith run scenes/rain.toml         run a scene from a file (docs/reference/scenes.md)
+  haptolith snapshot --out view.png      save a picture of a scene, without a display
+  haptolith soil profile --preset P3     print density and strength over depth
+  haptolith lab shear --soil dry-sand    simulate a direct shear test
+  haptolith doctor                       check whether this machine runs the loop in real time
   source <(haptolith completion bash)    complete commands with the tab key
 
-HAPTOLITH_SIMD=SSE4 haptolith ...          with another instruction set than the best of the machine
-HAPTOLITH_CACHE=off haptolith ...          without keeping settled soil, or with the folder where to keep it
+Environment:
+  HAPTOLITH_SIMD=SSE4     use this instruction set instead of the best that the machine has
+  HAPTOLITH_CACHE=FOLDER  keep settled soil in this folder; off: do not keep it
 
-Exit status: 0 done, 1 failed, 2 wrong usage.)";
+Exit status: 0 success, 1 failure, 2 wrong usage.)";
 
 /// Log sink on standard error that does not wait for a terminal. Control characters are removed, because messages
 /// contain texts of files.
@@ -105,9 +108,25 @@ std::string commandPath(const CLI::App& reached) {
   return above == nullptr ? "haptolith" : commandPath(*above) + " " + reached.get_name();
 }
 
+/// Puts the commands into groups of the program's help; docs/make/commands.py reads headings "... commands:".
+void groupCommands(CLI::App& app) {
+  const std::vector<std::pair<const char*, std::vector<const char*>>> groups{
+      {"Run commands", {"run", "snapshot", "devices", "doctor"}},
+      {"Record commands", {"replay", "export", "import"}},
+      {"Soil commands", {"soil", "lab", "identify", "scenes"}},
+      {"Study commands", {"study"}},
+      {"Remote commands", {"teleop", "ros2"}},
+      {"Developer commands", {"bench", "completion", "version"}}};
+  for (const auto& [group, names] : groups) {
+    for (const char* name : names) {
+      app.get_subcommand(name)->group(group);
+    }
+  }
+}
+
 ExitStatus usageError(const CLI::App& app, const std::string& message) {
   printError(message);
-  printNotice(fmt::format("Run '{} --help' for what is possible.\n", commandPath(reachedBy(app))));
+  printNotice(fmt::format("Run '{} --help' for its commands and options.\n", commandPath(reachedBy(app))));
   return kUsage;
 }
 
@@ -156,7 +175,7 @@ int main(int argc, char** argv) {
   try {
     logToStandardError();
     runWhatIsElsewhere(argc, argv);
-    CLI::App app{"haptolith: lunar and planetary regolith, felt through a haptic device at 1 kHz", "haptolith"};
+    CLI::App app{"haptolith: lunar and planetary soil simulated and rendered on a haptic device at 1 kHz", "haptolith"};
     app.set_version_flag("-V,--version", "haptolith " HAPTOLITH_VERSION, "Print the version");
     app.formatter(std::make_shared<HelpFormatter>());
     app.require_subcommand(1);
@@ -165,6 +184,8 @@ int main(int argc, char** argv) {
     app.add_subcommand("version", "Print the version")->callback([] {
       printText("haptolith " HAPTOLITH_VERSION "\n");
     });
+    groupCommands(app);
+    groupOptions(app);
     return run(app, argc, argv);
   } catch (const std::filesystem::filesystem_error& error) {
     printError(fmt::format("cannot open {}: {}", error.path1().string(), error.code().message()));

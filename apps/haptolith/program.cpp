@@ -74,7 +74,7 @@ fs::path workbench(std::string_view command) {
                               command, kName, program.parent_path().string(),
                               (program.parent_path() / kInstalled).lexically_normal().string()));
   }
-  printNotice(fmt::format("haptolith {} is built when it is first used, which takes some minutes\n", command));
+  printNotice(fmt::format("building haptolith {} for its first use, which takes some minutes\n", command));
   build(folder);
   return program.parent_path() / kName;
 }

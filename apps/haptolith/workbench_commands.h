@@ -4,13 +4,14 @@ namespace haptolith {
 
 // Descriptions of the commands of `haptolith-workbench`, also listed by `haptolith --help`.
 
-inline constexpr const char* kLabDescription = "A soil laboratory: what a bed of macroparticles really does";
-inline constexpr const char* kStudyDescription = "User studies: from the protocol to the psychometric curve";
-inline constexpr const char* kIdentifyDescription = "Friction, cohesion and density of soil from forces on a tool";
-inline constexpr const char* kTeleopDescription = "Dig far away: links with delay, and what they do to a hand";
+inline constexpr const char* kLabDescription = "Simulate soil-mechanics tests of the particle bed";
+inline constexpr const char* kStudyDescription = "Run user studies: from the protocol to the psychometric curve";
+inline constexpr const char* kIdentifyDescription = "Estimate friction, cohesion and density of soil from tool forces";
+inline constexpr const char* kTeleopDescription = "Teleoperate: delayed links, a simulated robot, an operator station";
 inline constexpr const char* kRos2Description =
-    "Run a scene as `haptolith run` does, as a node of ROS 2: poses, wrenches and soil out, targets in";
-inline constexpr const char* kBenchDescription = "How long a tick takes, by number of particles, friction and threads";
+    "Run a scene as a ROS 2 node that publishes poses, wrenches and soil and subscribes to targets";
+inline constexpr const char* kBenchDescription =
+    "Measure the time of a tick by number of particles, friction model and threads";
 inline constexpr const char* kCompletionDescription = "Print a script that completes commands and options in a shell";
 
 }  // namespace haptolith

@@ -1,4 +1,4 @@
-"""The program's commands, according to its help."""
+"""The program's commands, as listed by its help."""
 
 import re
 import subprocess
@@ -10,7 +10,7 @@ def commands(program: Path, command: tuple[str, ...] = ()) -> Iterator[tuple[tup
     """Each command, ("lab", "shear"), with its help; the program itself, (), is the first."""
     told = subprocess.run([str(program), *command, "--help"], check=True, capture_output=True, text=True).stdout
     yield command, told
-    listed = re.search(r"^Subcommands:\n((?:  .*\n)+)", told, re.M)
-    for line in listed[1].splitlines() if listed else []:
-        if not line.startswith("   "):
-            yield from commands(program, (*command, line.split()[0]))
+    for listed in re.findall(r"^(?:Subcommands|\w+ commands):\n((?:  .*\n)+)", told, re.M):
+        for line in listed.splitlines():
+            if not line.startswith("   "):
+                yield from commands(program, (*command, line.split()[0]))

@@ -73,7 +73,7 @@ TEST(DoctorCommand, JsonIsOneObjectWithEveryCheck) {
 
 TEST(DoctorCommand, EndsWithWhatTheMachineCanDoInFiveLines) {
   const ProgramResult result = runHaptolith("doctor --seconds 0.2");
-  const std::size_t at = result.output.find("What this machine can do\n\n");
+  const std::size_t at = result.output.find("Summary of this machine\n\n");
   ASSERT_NE(at, std::string::npos) << result.output;
   const std::string lines = result.output.substr(result.output.find("\n\n", at) + 2);
   EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 5) << lines;

@@ -203,7 +203,7 @@ TEST_F(ExportCommand, XdmfHasParticlesToolAndBoxInPlainDatasets) {
   const ProgramResult result = runHaptolith("export --format xdmf " + file("run.h5"));
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.errors, testing::IsEmpty());
-  EXPECT_THAT(result.output, testing::ContainsRegex("run-xdmf: [0-9]+ pictures of the particles with velocities"));
+  EXPECT_THAT(result.output, testing::ContainsRegex("run-xdmf: [0-9]+ frames of the particles with velocities"));
   EXPECT_EQ(files(), (std::vector<std::string>{"run-xdmf", "run.h5"}));
   expectTrueInPython(std::string(kReaders) + R"(
 grids, tools, ((_, *box, _),) = list(xdmf('particles')), list(xdmf('tool')), xdmf('box')
@@ -226,7 +226,7 @@ for time, _, _, arrays in grids + tools:
 )" + kSame);
   const ProgramResult again = runHaptolith("export --format vtk " + file("run.h5") + " --out " + file("frames"));
   EXPECT_EQ(again.exit_status, 1);
-  EXPECT_THAT(again.errors, HasSubstr("frames exists already"));
+  EXPECT_THAT(again.errors, HasSubstr("frames already exists"));
 }
 
 TEST_F(ExportCommand, ParticlesAsCsvAreThoseOfVtk) {
@@ -294,7 +294,7 @@ TEST_F(ExportCommand, WithoutAReplayAllButVelocitiesIsThere) {
     const ProgramResult result = runHaptolith(fmt::format("export --no-replay --format {} {}", format, file("run.h5")));
     ASSERT_EQ(result.exit_status, 0) << result.errors;
     EXPECT_THAT(result.errors, testing::IsEmpty());
-    EXPECT_THAT(result.output, HasSubstr(" pictures of the particles without velocities"));
+    EXPECT_THAT(result.output, HasSubstr(" frames of the particles without velocities"));
   }
   expectTrueInPython(std::string(kReaders) + R"(
 assert list(pandas.read_csv('run-particles.csv'))[3:] == ['x_m', 'y_m', 'z_m', 'radius_m', 'contact_force_n']
@@ -308,7 +308,7 @@ TEST_F(ExportCommand, SaysWhyThereAreNoVelocities) {
   makeRecording(400, 20);  // begins in mid-run
   const ProgramResult result = runHaptolith("export --format vtk " + file("run.h5"));
   EXPECT_EQ(result.exit_status, 0);
-  EXPECT_THAT(result.errors, HasSubstr("13 of 13 pictures have no velocities"));
+  EXPECT_THAT(result.errors, HasSubstr("13 of 13 frames have no velocities"));
   EXPECT_THAT(result.errors, HasSubstr("began at tick 7"));
 }
 
@@ -368,10 +368,10 @@ TEST_F(ExportCommand, SaysWhatItHasWritten) {
   EXPECT_EQ(runHaptolith("export --format csv " + file("run.h5")).output, "saved " + file("run.csv") + ": 400 ticks\n");
   for (const std::string format : {"xdmf", "vtk"}) {
     EXPECT_THAT(runHaptolith("export --format " + format + " " + file("run.h5")).output,
-                HasSubstr(file("run-" + format) + ": 13 pictures"));
+                HasSubstr(file("run-" + format) + ": 13 frames"));
   }
   EXPECT_THAT(runHaptolith("export --format particles-csv " + file("run.h5")).output,
-              HasSubstr(file("run-particles.csv") + ": 13 pictures"));
+              HasSubstr(file("run-particles.csv") + ": 13 frames"));
 }
 
 TEST_F(ExportCommand, ShowsWhatATerminalWouldObey) {
@@ -420,7 +420,7 @@ TEST_F(ExportCommand, ReplacesAFileOnlyWhenAskedTo) {
   const std::string command = fmt::format("export '{}' --format csv --out '{}'", file("run.h5"), file("notes.csv"));
   const ProgramResult refused = runHaptolith(command);
   EXPECT_EQ(refused.exit_status, 1);
-  EXPECT_THAT(refused.errors, HasSubstr("notes.csv exists already: choose another name, or add --overwrite"));
+  EXPECT_THAT(refused.errors, HasSubstr("notes.csv already exists: choose another name, or add --overwrite"));
   EXPECT_EQ(fs::file_size(file("notes.csv")), 4U);
   EXPECT_EQ(runHaptolith(command + " --overwrite").exit_status, 0);
   EXPECT_GT(fs::file_size(file("notes.csv")), 4U);

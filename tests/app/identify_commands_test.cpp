@@ -106,7 +106,7 @@ TEST_F(IdentifyCommands, TrainingGoesOnWhereItStopped) {
   EXPECT_EQ(runHaptolith(train + "2").exit_status, 1) << "it is there";
   const ProgramResult more = runHaptolith(train + "2 --resume");
   EXPECT_EQ(more.exit_status, 0) << more.errors;
-  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2"), HasSubstr("not enough to learn from yet")));
+  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2"), HasSubstr("not enough soils yet")));
   std::ifstream file(in("mine.json"));
   EXPECT_EQ(json::parse(file).at("runs").size(), 2U);
 }

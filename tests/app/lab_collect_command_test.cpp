@@ -178,7 +178,7 @@ TEST_F(LabCollect, CurvesOfOtherLengthsHaveNothingInCommon) {
 
 TEST_F(LabCollect, RefusesWhatIsNotOneTest) {
   const std::string first = measured(1, kCarry), second = measured(2, kCarry);
-  expectRefused(first + " " + first, HasSubstr("both of seed 1"));
+  expectRefused(first + " " + first, HasSubstr("have the same seed 1"));
   const auto other = [&](const char* key, const json& value) {
     return first + " " + changed(2, [&](json& specimen) { specimen[key] = value; });
   };
@@ -201,16 +201,16 @@ TEST_F(LabCollect, NamesTheFileThatIsCutOrForeign) {
   };
   std::ifstream stream(second);
   const std::string whole{std::istreambuf_iterator<char>(stream), {}};
-  expectRefused(file(""), AllOf(HasSubstr("bad.json is empty"), HasSubstr("has not ended, or failed")));
-  expectRefused(file(whole.substr(0, whole.size() / 2)), HasSubstr("bad.json is cut off"));
-  expectRefused(file(whole + whole), HasSubstr("bad.json is cut off, or holds something else than one result"));
-  expectRefused(file("[1, 2]"), HasSubstr("bad.json is not what `haptolith lab TEST --json` prints"));
-  expectRefused(file("{\"seed\": 2}"), HasSubstr("bad.json is not what"));
-  expectRefused(file("\x01\xff"), HasSubstr("bad.json is cut off"));
+  expectRefused(file(""), AllOf(HasSubstr("bad.json is empty"), HasSubstr("still running, or it failed")));
+  expectRefused(file(whole.substr(0, whole.size() / 2)), HasSubstr("bad.json is truncated"));
+  expectRefused(file(whole + whole), HasSubstr("bad.json is truncated, or is not one result"));
+  expectRefused(file("[1, 2]"), HasSubstr("bad.json is not a result of `haptolith lab TEST --json`"));
+  expectRefused(file("{\"seed\": 2}"), HasSubstr("bad.json is not a result of"));
+  expectRefused(file("\x01\xff"), HasSubstr("bad.json is truncated"));
   expectRefused(
       file(json::parse(whole).patch(json::parse(R"([{"op": "replace", "path": "/seed", "value": -2}])")).dump()),
-      HasSubstr("bad.json is not what"));
-  expectRefused(file(runHaptolith("lab collect --json " + first).output), HasSubstr("name the files of each"));
+      HasSubstr("bad.json is not a result of"));
+  expectRefused(file(runHaptolith("lab collect --json " + first).output), HasSubstr("name the file of each specimen"));
   expectRefused(first + " " + (folder_ / "none.json").string(), HasSubstr("none.json"), 2);
   expectRefused("", HasSubstr("FILES"), 2);
 }

@@ -85,7 +85,7 @@ TEST_F(LabCommand, NonsenseIsRefused) {
     EXPECT_EQ(runHaptolith(std::string("lab fall --seed ") + seed).exit_status, 2) << seed;
   }
   EXPECT_THAT(runHaptolith("lab blade --depth-mm 1000").errors, HasSubstr("must be 3e+06 or less"));
-  EXPECT_THAT(runHaptolith("lab blade --soil-cohesion-pa 100").errors, HasSubstr("given beside friction_angle_deg"));
+  EXPECT_THAT(runHaptolith("lab blade --soil-cohesion-pa 100").errors, HasSubstr("given with friction_angle_deg"));
   EXPECT_THAT(runHaptolith("lab plate --measure-strength --friction-angle-deg 9").errors, HasSubstr("left out"));
   EXPECT_EQ(runHaptolith("lab fall --figure nowhere/at/all.svg").exit_status, 1);
 }

@@ -61,14 +61,14 @@ TEST_F(LabReportCommand, IsTheSameAfterAnInterruptAsWithoutOne) {
 
   const ProgramResult interrupted = runInShell(stopped("parts", "--seeds 2", "kill -INT $p"));
   EXPECT_EQ(interrupted.exit_status, 1);
-  EXPECT_THAT(interrupted.errors, ContainsRegex("interrupted: [1-3] of 4 results are kept in .*parts; .*--resume"));
+  EXPECT_THAT(interrupted.errors, ContainsRegex("interrupted: [1-3] of 4 results are saved in .*parts; .*--resume"));
   EXPECT_THAT(page("parts"), AllOf(HasSubstr("(unfinished)"), ContainsRegex("Missing: fall .*paper: seeds? .*2"),
                                    HasSubstr("of 2 seeds so far)")));
   const std::string first = textOf(firstResult("parts"));
 
   const ProgramResult resumed = runHaptolith(reportIn("parts", "--seeds 2 --resume"));
   ASSERT_EQ(resumed.exit_status, 0) << resumed.errors;
-  EXPECT_THAT(resumed.errors, ContainsRegex("[1-3] of 4 results are there already"));
+  EXPECT_THAT(resumed.errors, ContainsRegex("[1-3] of 4 results are already available"));
   EXPECT_EQ(textOf(firstResult("parts")), first);
   EXPECT_EQ(page("parts"), page("whole"));
   EXPECT_THAT(page("whole"), AllOf(HasSubstr("1.00000 ± 0.00000"), HasSubstr("<dt>Seeds</dt><dd>1 to 2</dd>"),
@@ -79,7 +79,7 @@ TEST_F(LabReportCommand, ResultsSurviveAKillAndOneProcessWorksAtATime) {
   const ProgramResult killed = runInShell(
       stopped("parts", "--seeds 1",
               fmt::format("kill -STOP $p; \"$HAPTOLITH\" {}; kill -KILL $p", reportIn("parts", "--resume"))));
-  EXPECT_THAT(killed.errors, HasSubstr("another process works on the report in"));
+  EXPECT_THAT(killed.errors, HasSubstr("another process writes the report in"));
   const json first = json::parse(textOf(firstResult("parts")));
   EXPECT_EQ(first.at("test"), "fall");
   EXPECT_EQ(first.at("friction"), "contact");
@@ -90,7 +90,7 @@ TEST_F(LabReportCommand, ResultsSurviveAKillAndOneProcessWorksAtATime) {
   const ProgramResult resumed = runHaptolith(reportIn("parts", "--seeds 1 --resume"));
   ASSERT_EQ(resumed.exit_status, 0) << resumed.errors;
   EXPECT_EQ(json::parse(textOf(firstResult("parts"))), first);
-  EXPECT_THAT(page("parts"), AllOf(HasSubstr("1.00000 <span"), HasSubstr("those of one seed"),
+  EXPECT_THAT(page("parts"), AllOf(HasSubstr("1.00000 <span"), HasSubstr("Values are of one seed"),
                                    HasSubstr("fall: lunar-0-15cm, contact friction, Moon, macroparticles of 7 mm, "
                                              "seed 1</figcaption>")));
 }
@@ -100,7 +100,7 @@ TEST_F(LabReportCommand, ReplacesNothingUnasked) {
   const std::string before = textOf(firstResult("one"));
   const ProgramResult again = runHaptolith(reportIn("one", "--seeds 1"));
   EXPECT_EQ(again.exit_status, 1);
-  EXPECT_THAT(again.errors, AllOf(HasSubstr("exists already"), HasSubstr("--resume"), HasSubstr("--overwrite")));
+  EXPECT_THAT(again.errors, AllOf(HasSubstr("already exists"), HasSubstr("--resume"), HasSubstr("--overwrite")));
   const ProgramResult elsewhere = runHaptolith(reportIn("one", "--resume --body Mars --soil dry-sand"));
   EXPECT_EQ(elsewhere.exit_status, 1);
   EXPECT_THAT(elsewhere.errors,
@@ -116,7 +116,7 @@ TEST_F(LabReportCommand, ReplacesNothingUnasked) {
   for (const char* option : {"--overwrite", "--resume"}) {
     const ProgramResult foreign = runHaptolith(reportIn("mine", option));
     EXPECT_EQ(foreign.exit_status, 1) << option;
-    EXPECT_THAT(foreign.errors, HasSubstr("something else than a report"));
+    EXPECT_THAT(foreign.errors, HasSubstr("does not contain a report"));
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "mine"), {}), 1);
 }

@@ -64,8 +64,8 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
   EXPECT_THAT(refused.errors, HasSubstr("--resume"));
   const ProgramResult more = runHaptolith(validation("a", file + " --seeds 2 --resume"));
   ASSERT_EQ(more.exit_status, 0) << more.errors;
-  EXPECT_THAT(more.errors,
-              AllOf(HasSubstr("1 of 2 results are there already"), HasSubstr("[2/2] fall"), Not(HasSubstr("seed 1"))));
+  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2 results are already available"), HasSubstr("[2/2] fall"),
+                                 Not(HasSubstr("seed 1"))));
   EXPECT_THAT(page("a"), HasSubstr("| 2 | 🟢 holds |"));
 }
 

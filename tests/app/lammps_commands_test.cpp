@@ -187,7 +187,7 @@ TEST_F(ToLammps, GoesNothingThatLammpsDoesNotHave) {
   const ProgramResult times =
       runHaptolith(fmt::format("export {} --format lammps --from-s 2 --out {}", path("springs.toml"), path("l")));
   EXPECT_EQ(times.exit_status, 2);
-  EXPECT_THAT(times.errors, HasSubstr("a scene has no times"));
+  EXPECT_THAT(times.errors, HasSubstr("a scene has no recorded times"));
 }
 
 TEST_F(ToLammps, GoesADumpToVtk) {
@@ -201,7 +201,7 @@ TEST_F(ToLammps, GoesADumpToVtk) {
                                         << "ITEM: TIMESTEP\n800\nITEM: NUMBER OF ATOMS\n2\n";  // still being written
   const ProgramResult result = runHaptolith("export " + path("soil.lammpstrj") + " --format vtk");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
-  EXPECT_THAT(result.output, HasSubstr("2 pictures of the particles"));
+  EXPECT_THAT(result.output, HasSubstr("2 frames of the particles"));
   const auto text = [&](const std::string& name) {
     std::ifstream file(path("soil-vtk/" + name), std::ios::binary);
     return std::string{std::istreambuf_iterator<char>(file), {}};
@@ -230,7 +230,7 @@ TEST_F(ToLammps, GoesADumpToVtk) {
       fmt::format("ITEM: TIMESTEP\n0{}ITEM: ATOMS id x y z radius\n1 0 0 0 0.1\n2 0 0 1 0.1\n", head);
   std::ofstream(path("twice.lammpstrj")) << again << again;
   EXPECT_THAT(runHaptolith("export " + path("twice.lammpstrj") + " --format vtk").errors,
-              HasSubstr("2 pictures of step or time 0"));
+              HasSubstr("2 frames have the step or time 0"));
 }
 
 TEST_F(ToLammps, ComesNothingThatIsNoDump) {

@@ -171,7 +171,7 @@ TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
   const std::string only_copy = bytesOf(file("run.h5"));
   const ProgramResult refused = runHaptolith(run);
   EXPECT_EQ(refused.exit_status, 1);
-  EXPECT_THAT(refused.errors, AllOf(HasSubstr(file("run.h5")), HasSubstr("exists already")));
+  EXPECT_THAT(refused.errors, AllOf(HasSubstr(file("run.h5")), HasSubstr("already exists")));
   EXPECT_THAT(refused.output, IsEmpty());
   EXPECT_EQ(bytesOf(file("run.h5")), only_copy);
   EXPECT_THAT(files(), ElementsAre("run.h5"));
@@ -201,7 +201,7 @@ TEST_F(ReplayCommand, PicturesAreTakenAsOftenAsAskedForAndNotAtAllForNone) {
   const std::string export_all = fmt::format("export '{}' --format vtk --out '{}'", file("run.h5"), file("frames"));
   const ProgramResult none = runHaptolith(export_all);
   EXPECT_EQ(none.exit_status, 1);
-  EXPECT_THAT(none.errors, HasSubstr("no pictures"));
+  EXPECT_THAT(none.errors, HasSubstr("no frames"));
 
   (void)recorded("paper --hand press --duration-s 0.5 --record-frames 20 --overwrite");
   ASSERT_EQ(runHaptolith(export_all).exit_status, 0);
@@ -263,7 +263,7 @@ TEST_F(ReplayCommand, TicksThatAreMissingFailToVerify) {
   ASSERT_EQ(cut.exit_status, 0) << cut.errors;
   const ProgramResult failed = runHaptolith(fmt::format("replay --verify --json '{}'", file("run.h5")));
   EXPECT_EQ(failed.exit_status, 1);
-  EXPECT_THAT(failed.errors, AllOf(HasSubstr("not whole"), HasSubstr("100 ticks after 0.200 s")));
+  EXPECT_THAT(failed.errors, AllOf(HasSubstr("incomplete"), HasSubstr("100 ticks after 0.200 s")));
   EXPECT_EQ(json::parse(failed.output).at("missing_ticks"), 100);
   EXPECT_EQ(json::parse(failed.output).at("replayed_ticks"), 200);
   const ProgramResult told = runHaptolith(fmt::format("replay '{}'", file("run.h5")));

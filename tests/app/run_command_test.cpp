@@ -95,9 +95,9 @@ TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
   const ProgramResult text = runHaptolith(fine);
   ASSERT_EQ(text.exit_status, 0) << text.errors;
   EXPECT_THAT(text.output, HasSubstr("ticks too long, "));
-  EXPECT_THAT(text.output, HasSubstr("the soil is too fine for this machine: "));
+  EXPECT_THAT(text.output, HasSubstr("the particles are too small for this machine: "));
   EXPECT_THAT(text.output, HasSubstr("try: --set soil.radius_mm=8.1\n"));
-  EXPECT_THAT(json::parse(runHaptolith(fine + "--json").output)["advice"].get<std::string>(), HasSubstr("too fine"));
+  EXPECT_THAT(json::parse(runHaptolith(fine + "--json").output)["advice"].get<std::string>(), HasSubstr("too small"));
 }
 
 TEST_F(RunCommand, WithoutANameOpensSoilAtRestThatPassesTheLaboratory) {
@@ -165,7 +165,7 @@ TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
   EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["finest"].is_null());
   const ProgramResult refused = runHaptolith("run paper --finest --unpaced --duration-s 0.05");
   EXPECT_EQ(refused.exit_status, 2);
-  EXPECT_THAT(refused.errors, HasSubstr("whose bed starts as settled"));
+  EXPECT_THAT(refused.errors, HasSubstr("the bed must start as settled"));
 }
 
 TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
@@ -257,7 +257,7 @@ TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
   const ProgramResult cut = runInShell(fmt::format("cut -d, -f1-8 '{}' > '{}'", file("trace.csv"), file("poses.csv")));
   ASSERT_EQ(cut.exit_status, 0);
   const json replay = summaryOf("paper --unpaced --poses " + file("poses.csv"));
-  EXPECT_EQ(replay["ended"], "the recorded movement is over");
+  EXPECT_EQ(replay["ended"], "end of the recorded movement");
 }
 
 TEST_F(RunCommand, FigureIsDrawn) {
@@ -436,11 +436,11 @@ TEST_F(RunCommand, ATokenMayBeGivenWhereNoListOfProcessesShowsIt) {
     EXPECT_THAT(runInShell(command).errors, HasSubstr("/?token=dust_of_the-Moon0\n")) << command;
   }
   for (const auto& [command, told] :
-       {std::pair<std::string, std::string>{run + "--token moon", "token = a text of 4 letters"},
+       {std::pair<std::string, std::string>{run + "--token moon", "token = a text of 4 characters"},
         {run + "--token 'a b c d e f g h i'", "16 to 128 of A to Z, a to z, 0 to 9, - and _"},
-        {"HAPTOLITH_TOKEN=secret " + run, "HAPTOLITH_TOKEN = a text of 6 letters"},
-        {run + "--token-file /dev/null", "/dev/null = a text of 0 letters"},
-        {run + "--token-file /dev/zero", "/dev/zero = a text with other letters"},
+        {"HAPTOLITH_TOKEN=secret " + run, "HAPTOLITH_TOKEN = a text of 6 characters"},
+        {run + "--token-file /dev/null", "/dev/null = a text of 0 characters"},
+        {run + "--token-file /dev/zero", "/dev/zero = a text with other characters"},
         {run + "--token a --token-file b", "--token"}}) {
     const ProgramResult wrong = runInShell(command);
     EXPECT_EQ(wrong.exit_status, 2) << command;
@@ -536,7 +536,7 @@ TEST_F(RunCommand, ReplacesNoFileUnlessItIsAskedTo) {
     const std::string command = fmt::format("run paper --duration-s 0.02 --unpaced --no-serve {} '{}'", option, name);
     const ProgramResult refused = runHaptolith(command);
     EXPECT_EQ(refused.exit_status, 1);
-    EXPECT_THAT(refused.errors, HasSubstr("exists already: choose another name, or add --overwrite"));
+    EXPECT_THAT(refused.errors, HasSubstr("already exists: choose another name, or add --overwrite"));
     EXPECT_EQ(fs::file_size(name), 4U);
     EXPECT_EQ(runHaptolith(command + " --overwrite").exit_status, 0);
     EXPECT_GT(fs::file_size(name), 4U);
@@ -548,7 +548,7 @@ TEST_F(RunCommand, NeverWritesOverTheSceneThatItRuns) {
   const ProgramResult result = runHaptolith(
       fmt::format("run '{0}' --duration-s 0.02 --unpaced --no-serve --overwrite --trace '{0}'", file("x.toml")));
   EXPECT_EQ(result.exit_status, 1);
-  EXPECT_THAT(result.errors, HasSubstr("x.toml is read by this command"));
+  EXPECT_THAT(result.errors, HasSubstr("x.toml: this command reads it"));
 }
 
 TEST_F(RunCommand, ARecordingIsNamedAsOneAndReplacesNothingElse) {
@@ -560,7 +560,7 @@ TEST_F(RunCommand, ARecordingIsNamedAsOneAndReplacesNothingElse) {
   const ProgramResult replaced = runHaptolith(
       fmt::format("run paper --duration-s 0.02 --unpaced --no-serve --overwrite --record '{}'", file("notes.h5")));
   EXPECT_EQ(replaced.exit_status, 1);
-  EXPECT_THAT(replaced.errors, HasSubstr("notes.h5 is not a recording"));
+  EXPECT_THAT(replaced.errors, HasSubstr("notes.h5: it is not a recording"));
   EXPECT_EQ(files(), std::vector<std::string>{"notes.h5"});
 }
 

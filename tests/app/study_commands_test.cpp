@@ -128,7 +128,7 @@ TEST_F(StudyCommands, GroupsAreAssignedCountedExportedAndCompared) {
   EXPECT_EQ(status["groups"][0]["strata"][0]["stratum"], "left yes");
   EXPECT_EQ(status["participants"][0]["blocks"].size(), 2U) << "those of the group";
   EXPECT_THAT(runHaptolith(fmt::format("study status {}", file("a.study"))).output,
-              HasSubstr("Assigned out of each stratum"));
+              HasSubstr("Assigned from each stratum"));
   const Json figure = Json::parse(runHaptolith(fmt::format("study figure --json {}", file("a.study"))).output);
   ASSERT_EQ(figure["blocks"].size(), 4U);
   EXPECT_EQ(figure["blocks"][0]["of_group"], "one");
@@ -218,7 +218,7 @@ TEST_F(StudyCommands, NewNeverOverwritesAStudy) {
   const std::string before = read("a.study");
   const ProgramResult again = runHaptolith(fmt::format("study new {} --protocol paper", file("a.study")));
   EXPECT_EQ(again.exit_status, 1);
-  EXPECT_THAT(again.errors, HasSubstr("exists already"));
+  EXPECT_THAT(again.errors, HasSubstr("already exists"));
   EXPECT_EQ(read("a.study"), before);
 }
 
@@ -227,7 +227,7 @@ TEST_F(StudyCommands, NewNeverOverwritesAStudy) {
 
 TEST_F(StudyCommands, StatusTellsHowFarEverybodyIs) {
   makeStudy();
-  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("Nobody has taken part yet"));
+  EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("There are no participants yet"));
   fillStudy();
   const ProgramResult status = runHaptolith("study status " + file("a.study"));
   EXPECT_EQ(status.exit_status, 0) << status.errors;
@@ -339,7 +339,7 @@ TEST_F(StudyCommands, ExcludeLeavesOutOfFiguresAndMarksInExports) {
   EXPECT_EQ(exclude("--reason 'catch trials'").exit_status, 2);
   EXPECT_THAT(runHaptolith("study status " + file("a.study")).output,
               AllOf(HasSubstr("excluded"), HasSubstr("1 excluded (catch trials)")));
-  EXPECT_THAT(runHaptolith("study figure " + file("a.study")).errors, HasSubstr("nobody has answered yet"));
+  EXPECT_THAT(runHaptolith("study figure " + file("a.study")).errors, HasSubstr("there are no responses yet"));
   ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
   EXPECT_THAT(read("a.csv"), HasSubstr("S02,2,excluded,catch trials,friction"));
   EXPECT_EQ(runHaptolith(fmt::format("study fit --data {}", file("a.csv"))).exit_status, 2) << "no answer is left";
@@ -379,7 +379,7 @@ TEST_F(StudyCommands, ForgetDeletesWhatIsPersonalOrEverything) {
   EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, Not(HasSubstr("S02")));
   const ProgramResult again = runHaptolith(fmt::format("study forget {} S02", file("a.study")));
   EXPECT_EQ(again.exit_status, 0);
-  EXPECT_THAT(again.output, HasSubstr("S02: deleted already"));
+  EXPECT_THAT(again.output, HasSubstr("S02: already deleted"));
   const ProgramResult nobody = runHaptolith(fmt::format("study forget {} S09", file("a.study")));
   EXPECT_EQ(nobody.exit_status, 2);
   EXPECT_THAT(nobody.errors, HasSubstr("one of S01"));

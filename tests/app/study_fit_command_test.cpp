@@ -75,8 +75,8 @@ TEST_F(StudyFit, ComparesTheGroupsOfATable) {
   EXPECT_GT(ratio["interval"][0], 1.2);
   EXPECT_LT(ratio["bayes_factor_same"], 0.2);
   const ProgramResult told = runHaptolith("study fit " + data);
-  EXPECT_THAT(told.output, HasSubstr("group dull over group sharp: different people"));
-  expectWrongUse("--data " + friction_ + " --between-groups", "a table with a column group");
+  EXPECT_THAT(told.output, HasSubstr("group dull over group sharp: different participants"));
+  expectWrongUse("--data " + friction_ + " --between-groups", "a table whose column group");
 }
 
 TEST_F(StudyFit, ACodeInTwoGroupsIsTwoPeople) {
@@ -90,7 +90,7 @@ TEST_F(StudyFit, ACodeInTwoGroupsIsTwoPeople) {
       runHaptolith("study fit --sigmoid weber --reference 0.835 --group --between-groups --simulations 0 --data " +
                    file("codes.csv", table));
   EXPECT_EQ(told.exit_status, 0) << told.errors;
-  EXPECT_THAT(told.output, testing::AllOf(HasSubstr("1 (sharp)"), HasSubstr("2 (dull)"), HasSubstr("all 2 people")));
+  EXPECT_THAT(told.output, testing::AllOf(HasSubstr("1 (sharp)"), HasSubstr("2 (dull)"), HasSubstr("2 participants")));
   EXPECT_THAT(told.errors, HasSubstr("participant '1' is in the groups 'sharp', 'dull' (and 1 more in several)"));
 }
 
@@ -211,7 +211,7 @@ TEST_F(StudyFit, TellsNoNumberThatIsNone) {
 TEST_F(StudyFit, DoubtsAFunctionThatItsAnswersContradict) {
   const std::string falling = file("falling.csv", "x,k,n\n.5,20,20\n.7,18,20\n.9,10,20\n1.1,2,20\n1.3,0,20\n");
   const std::string options = " --sigmoid norm --simulations 0 --data " + falling;
-  EXPECT_THAT(runHaptolith("study fit" + options).output, HasSubstr("Doubtful: positive answers become fewer"));
+  EXPECT_THAT(runHaptolith("study fit" + options).output, HasSubstr("Doubtful: positive responses become fewer"));
   EXPECT_THAT(fitOf(options)["doubt"].get<std::string>(), HasSubstr("--falling"));
   EXPECT_FALSE(fitOf(options + " --falling").contains("doubt"));
 }

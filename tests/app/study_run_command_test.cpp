@@ -69,7 +69,7 @@ TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
   const ProgramResult run = runForASecond(fmt::format("run {} --trial-run --port 0", file("a.study")));
   EXPECT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors,
-              AllOf(HasSubstr("S01 takes part"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
+              AllOf(HasSubstr("S01 participates"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
   EXPECT_THAT(run.output, AllOf(HasSubstr("0 answers"), HasSubstr("study resume")));
   EXPECT_EQ(status()["participants"][0]["state"], "stopped") << "its session has ended";
   const Json session = status()["participants"][0]["sessions"][0];
@@ -301,7 +301,7 @@ TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
   makeStudy(file("press.toml"));
   const ProgramResult run = runHaptolith(fmt::format("study simulate {} --participants 2", file("a.study")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
-  EXPECT_THAT(run.output, HasSubstr("4 trials of work for a robot"));
+  EXPECT_THAT(run.output, HasSubstr("4 trials of robot tasks"));
   ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
   std::set<std::string> times;
   for (std::map<std::string, std::string> row : tableIn(file("a.csv"))) {
@@ -356,7 +356,7 @@ TEST_F(StudyRunCommands, WhoHasNotFinishedComesFirst) {
   EXPECT_THAT(next.errors, AllOf(HasSubstr("S01 has not finished"), HasSubstr("study resume")));
   const ProgramResult back = runForASecond(fmt::format("resume {} --port 0", file("a.study")));
   EXPECT_EQ(back.exit_status, 0) << back.errors;
-  EXPECT_THAT(back.errors, HasSubstr("S01 takes part"));
+  EXPECT_THAT(back.errors, HasSubstr("S01 participates"));
   const ProgramResult other =
       runForASecond(fmt::format("run {} --trial-run --port 0 --participant B2", file("a.study")));
   EXPECT_EQ(other.exit_status, 0) << other.errors;
@@ -386,7 +386,7 @@ TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
            {"run --trial-run " + file("a.study") + " --token short", "16 to 128 of A to Z"},
            {"run --trial-run " + file("a.study") + " --participant-token 'a b c d e f g h i'", "16 to 128 of A to Z"},
            {"run --trial-run " + file("a.study") + " --token aaaabbbbccccdddd --participant-token aaaabbbbccccdddd",
-            "the same twice"},
+            "token = repeated"},
            {"simulate " + file("a.study") + " --weber 0", "weber_fraction = 0"},
            {"simulate " + file("a.study") + " --lapse 2", "lapse = 2"},
            {"simulate " + file("a.study") + " --blind 1.5", "--blind"},
@@ -409,7 +409,7 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
   makeStudy("paper");
   const ProgramResult simulated = runHaptolith("study simulate --participants 30 --weber 0.29 " + file("a.study"));
   EXPECT_EQ(simulated.exit_status, 0) << simulated.errors;
-  EXPECT_THAT(simulated.output, HasSubstr("900 answers"));
+  EXPECT_THAT(simulated.output, HasSubstr("900 counted responses"));
   const ProgramResult figure =
       runHaptolith(fmt::format("study figure {} --json --out {}", file("a.study"), file("fig.svg")));
   EXPECT_EQ(figure.exit_status, 0) << figure.errors;
@@ -432,7 +432,7 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
   EXPECT_TRUE(fs::exists(folder_ / "one.png")) << one.errors;
   EXPECT_THAT(one.output,
               AllOf(HasSubstr("30 participants,"), HasSubstr("Weber fraction"), HasSubstr("PSE"),
-                    HasSubstr("Lapses: the rate is fitted"), HasSubstr("takes all answers for one person's")));
+                    HasSubstr("Lapses: the rate is fitted"), HasSubstr("ignores differences between participants")));
 }
 
 // The script in an export is an independent program for the same model.
@@ -465,7 +465,7 @@ TEST_F(StudyRunCommands, SimulatedAnswersStandBesideNoPersons) {
   (void)runForASecond(fmt::format("run {} --trial-run --port 0", file("a.study")));
   const ProgramResult refused = runHaptolith("study simulate " + file("a.study"));
   EXPECT_EQ(refused.exit_status, 1);
-  EXPECT_THAT(refused.errors, HasSubstr("S01 has taken part"));
+  EXPECT_THAT(refused.errors, HasSubstr("S01 has participated"));
 }
 
 TEST_F(StudyRunCommands, AHandThatFeelsTellsFrictionApart) {
@@ -483,7 +483,7 @@ TEST_F(StudyRunCommands, AFigureOfNothingIsAFailure) {
   makeStudy();
   const ProgramResult figure = runHaptolith("study figure " + file("a.study"));
   EXPECT_EQ(figure.exit_status, 1);
-  EXPECT_THAT(figure.errors, HasSubstr("nobody has answered yet"));
+  EXPECT_THAT(figure.errors, HasSubstr("there are no responses yet"));
 }
 
 TEST_F(StudyRunCommands, APlanTellsHowManyPeopleAreNeeded) {

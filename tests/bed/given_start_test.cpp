@@ -134,7 +134,7 @@ TEST(GivenStart, NamesGrainsThatAreInEachOther) {
   EXPECT_THAT(refusalOf(givenOf({{0.05F, 0, 0.01F, 0}, {0, 0, 0.01F, 0}, {0.05F, 0, 0.01F, 0}})),
               AllOf(HasSubstr("numbers 1 and 3"), HasSubstr("at the same place")));
   EXPECT_THAT(refusalOf(givenOf({{0, 0, 0.01F, 0}, {0.002F, 0, 0.01F, 0.001F}})),
-              AllOf(HasSubstr("numbers 1 and 2"), HasSubstr("0.002 m apart"), HasSubstr("by 0.008 m at least")));
+              AllOf(HasSubstr("numbers 1 and 2"), HasSubstr("0.002 m apart"), HasSubstr("at least 0.008 m apart")));
   BedParameters round = givenOf({{0.0695F, 0.03F, 0.01F, 0}, {-0.0695F, 0.03F, 0.01F, 0}});
   EXPECT_EQ(refusalOf(round), "taken");
   round.periodic_x = true;

@@ -547,7 +547,7 @@ TEST(Stones, AreRefusedWhereTheyCannotBe) {
   EXPECT_THAT(refusal(bed), HasSubstr("contact friction"));
   bed = soilWithStones();
   bed.stones.placed[0].x_m = 0.095;
-  EXPECT_THAT(refusal(bed), HasSubstr("wholly in the box"));
+  EXPECT_THAT(refusal(bed), HasSubstr("completely in the box"));
   bed = soilWithStones();
   bed.stones.count = 500;
   EXPECT_THAT(refusal(bed), HasSubstr("found no room"));

@@ -85,7 +85,7 @@ TEST_F(TileCache, MakesADamagedTileAnewAndSaysSo) {
     told_.clear();
     change(at, '\x5a');
     EXPECT_TRUE(settles(smallBed())) << at;
-    EXPECT_THAT(told_, ElementsAre(HasSubstr("is damaged or no tile of this soil")));
+    EXPECT_THAT(told_, ElementsAre(HasSubstr("is damaged or for another soil")));
     EXPECT_FALSE(settles(smallBed()));
   }
   for (const std::uintmax_t left : {std::uintmax_t{0}, std::uintmax_t{10}, static_cast<std::uintmax_t>(size - 1)}) {
@@ -100,7 +100,7 @@ TEST_F(TileCache, MakesAForeignTileAnew) {
   other.seed = 2;
   fs::copy_file(file(), folder_ / tileFileName(other));
   EXPECT_TRUE(settles(other));
-  EXPECT_THAT(told_, ElementsAre(HasSubstr("no tile of this soil")));
+  EXPECT_THAT(told_, ElementsAre(HasSubstr("for another soil")));
 }
 
 TEST_F(TileCache, MakesTheBedWithoutAFolderThatCannotBeWritten) {
@@ -108,7 +108,7 @@ TEST_F(TileCache, MakesTheBedWithoutAFolderThatCannotBeWritten) {
   use(folder_ / "file");
   EXPECT_TRUE(settles(smallBed()));
   EXPECT_TRUE(settles(smallBed()));
-  EXPECT_THAT(told_, testing::Each(HasSubstr("soil settles anew each time")));
+  EXPECT_THAT(told_, testing::Each(HasSubstr("soil settles again in each run")));
   EXPECT_FALSE(told_.empty());
 }
 

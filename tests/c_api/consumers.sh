@@ -51,7 +51,7 @@ case $how in
     cmake --build "$work/build" > "$work/build.log" || { cat "$work/build.log"; exit 1; }
     lookAt "$work/build"
     "$work/build/example_own_device" | tee "$work/own_device.txt"
-    grep -q "ended: the time asked for is over" "$work/own_device.txt" || fail "own_device does not end as it should"
+    grep -q "ended: duration reached" "$work/own_device.txt" || fail "own_device does not end as it should"
     "$work/build/example_record" "$work/run.h5" | tee "$work/record.txt"
     grep -q "2000 ticks, run again: the same to the last bit" "$work/record.txt" || fail "record does not run the same again"
     "$program" replay "$work/run.h5" --verify > "$work/replay.txt" || { cat "$work/replay.txt"; fail "the program does not run it again"; }

@@ -218,7 +218,7 @@ TEST_F(LibraryRecording, OfALoopWithAThreadLosesNothingAndSaysWhyItEnded) {
   const auto events = nlohmann::json::parse(textOf(recording.get(), hapto_recording_get_events));
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0]["kind"], "end");
-  EXPECT_EQ(events[0]["text"], "the time asked for is over");
+  EXPECT_EQ(events[0]["text"], "duration reached");
   EXPECT_EQ(events[0]["time_s"], 3.0);
 }
 
@@ -235,7 +235,7 @@ TEST_F(LibraryRecording, OfASceneThatWasStirredBeforeCannotBeRunAgain) {
   EXPECT_EQ(infoOf(recording.get()).start_tick, 30U);
   auto report = sized<hapto_replay_report>();
   EXPECT_EQ(hapto_recording_verify(recording.get(), 0, nullptr, nullptr, &report), HAPTO_FAILURE);
-  EXPECT_THAT(lastError().message, HasSubstr("cannot be replayed"));
+  EXPECT_THAT(lastError().message, HasSubstr("cannot replay"));
 }
 
 TEST_F(LibraryRecording, OfAChangedSceneCannotBeRunAgainAndOfACloneCan) {

@@ -115,9 +115,9 @@ TEST_F(AtomicFileTest, ReplacesNothingUnlessItIsAskedTo) {
   const fs::path path = folder_ / "data.csv";
   std::ofstream(path) << "old";
   EXPECT_EQ(failureOf([&] { AtomicFile file(path); }),
-            path.string() + " exists already: choose another name, or add --overwrite");
+            path.string() + " already exists: choose another name, or add --overwrite");
   fs::create_symlink("nowhere", folder_ / "link.csv");
-  EXPECT_THAT(failureOf([&] { AtomicFile file(folder_ / "link.csv"); }), HasSubstr("exists already"));
+  EXPECT_THAT(failureOf([&] { AtomicFile file(folder_ / "link.csv"); }), HasSubstr("already exists"));
   EXPECT_EQ(read(path), "old");
   EXPECT_EQ(files(), 2);
 }
@@ -130,7 +130,7 @@ TEST_F(AtomicFileTest, ReplacesNothingThatHasComeMeanwhile) {
     std::ofstream(path) << "somebody else's";
     file.commit();
   });
-  EXPECT_THAT(message, HasSubstr("data.csv has come to be there meanwhile: saved as"));
+  EXPECT_THAT(message, HasSubstr("data.csv was created by another program: saved as"));
   EXPECT_EQ(read(path), "somebody else's");
   EXPECT_EQ(read(folder_ / "data-2.csv"), "new");
   EXPECT_EQ(files(), 2);
@@ -151,7 +151,7 @@ TEST_F(AtomicFileTest, NeverReplacesWhatThisProgramHasRead) {
     EXPECT_THAT(failureOf([&] {
                   AtomicFile file({folder_ / name, IfThere::kReplace});
                 }),
-                HasSubstr("is read by this command"));
+                HasSubstr("this command reads it"));
   }
 }
 

@@ -18,6 +18,14 @@ TEST(InvalidParameter, SaysWhichKeyWhatValueAndWhatWouldBeValid) {
   EXPECT_EQ(error.valid(), "0 to 0.6");
 }
 
+TEST(RefusedAction, ReportsItsMessageAlone) {
+  const RefusedAction refused("undo", "nothing to undo: the bed has not been changed");
+  EXPECT_STREQ(refused.what(), "nothing to undo: the bed has not been changed");
+  EXPECT_EQ(refused.key(), "undo");
+  const InvalidParameter& wrong_use = refused;  // the same exit status and the same error code of the library
+  EXPECT_STREQ(wrong_use.what(), refused.what());
+}
+
 TEST(Range, IsWrittenAsAPersonWouldSayIt) {
   EXPECT_EQ((Range{0, 0.6}.text()), "0 to 0.6");
   EXPECT_EQ((Range{0, 0.6, Ends::kOpen}.text()), "> 0 and < 0.6");

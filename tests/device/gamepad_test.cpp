@@ -256,7 +256,7 @@ TEST_F(GamepadTest, IsLostWhenItIsUnpluggedStandsStillAndComesBack) {
   ASSERT_TRUE(eventually([&] { return pad.read().buttons == 1; }));
   played_->unplug();
   ASSERT_TRUE(eventually([&] { return pad.read().state == DeviceState::kStale; }));
-  EXPECT_THAT(std::string(pad.problem()), HasSubstr("played pad is gone: plug it in again"));
+  EXPECT_THAT(std::string(pad.problem()), HasSubstr("played pad is disconnected: connect it"));
   EXPECT_TRUE(eventually([&] { return pad.read().twist.linear_m_s.norm() == 0; }));
   EXPECT_EQ(pad.read().buttons, 0U);
 
@@ -289,8 +289,9 @@ TEST_F(GamepadTest, IsFoundByNumberAndName) {
   EXPECT_EQ(found[0].name, "played pad");
   EXPECT_EQ(open(found[0].id).name(), "played pad");
   EXPECT_EQ(open("").name(), "played pad");
-  EXPECT_THAT([] { (void)open("7"); },
-              ThrowsMessage<Failure>(HasSubstr("no gamepad '7': there is 0 (played pad); give one's number or name")));
+  EXPECT_THAT(
+      [] { (void)open("7"); },
+      ThrowsMessage<Failure>(HasSubstr("no gamepad '7': available are 0 (played pad); use a number or a name")));
 }
 
 TEST_F(GamepadTest, DeclaresARumbleAndNoMore) {

@@ -244,12 +244,12 @@ TEST(Inverse3, SaysWhyItCannotBeOpenedAndWhatToDo) {
   behaviour.inventory = R"({"session_id":7,"inverse3":[]})";
   {
     const HaplyService service(behaviour);
-    EXPECT_THAT(refusal(at(service.address())), AllOf(HasSubstr("knows of no Inverse3"), HasSubstr("plug it in")));
+    EXPECT_THAT(refusal(at(service.address())), AllOf(HasSubstr("has no Inverse3"), HasSubstr("plug it in")));
   }
   behaviour.inventory = "hello";
   {
     const HaplyService service(behaviour);
-    EXPECT_THAT(refusal(at(service.address())), HasSubstr("something else listens there"));
+    EXPECT_THAT(refusal(at(service.address())), HasSubstr("another program listens there"));
   }
   behaviour.begins = false;
   {
@@ -291,12 +291,12 @@ TEST(FindInverse3, SaysWhyThereIsNoneSoon) {
   EXPECT_LT(Clock::now() - began, 2s);
   ASSERT_EQ(reports.size(), 1U);
   EXPECT_FALSE(reports[0].usable);
-  EXPECT_THAT(reports[0].why_not, HasSubstr("does not answer in time"));
+  EXPECT_THAT(reports[0].why_not, HasSubstr("does not respond in time"));
 
   behaviour.shakes_hands = true;
   behaviour.inventory = "{}";
   const HaplyService empty(behaviour);
-  EXPECT_THAT(findInverse3(at(empty.address()))[0].why_not, HasSubstr("knows of no Inverse3"));
+  EXPECT_THAT(findInverse3(at(empty.address()))[0].why_not, HasSubstr("has no Inverse3"));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST_F(MouseTest, IsLostWhenItsWindowIsClosedAndStandsStill) {
   EXPECT_EQ(mouse.problem(), "");
   window(SDL_WINDOWEVENT_CLOSE);
   ASSERT_TRUE(eventually([&] { return mouse.read().state == DeviceState::kLost; }));
-  EXPECT_THAT(std::string(mouse.problem()), HasSubstr("window has been closed: start haptolith again"));
+  EXPECT_THAT(std::string(mouse.problem()), HasSubstr("window of the mouse was closed: start haptolith again"));
   EXPECT_NEAR(mouse.read().pose.position_m.x(), 0.01, 1e-9);
   EXPECT_EQ(mouse.read().twist.linear_m_s, Vec3::Zero());
 }

@@ -255,7 +255,7 @@ TEST(NetworkDevice, WarnsOfEachKindOnceAndCountsAll) {
   (void)readUntilSeen(device, 5);
   EXPECT_THAT(device.inputWarnings(), testing::ElementsAre(testing::HasSubstr("a second sender, 127.0.0.1:"),
                                                            testing::HasSubstr("5 bytes of text, 'hello'")));
-  EXPECT_EQ(device.inputSummary(), "1 taken, 1 of wrong size, 1 late or repeated, 2 of other senders");
+  EXPECT_EQ(device.inputSummary(), "1 taken, 1 with wrong size, 1 late or repeated, 2 from other senders");
 }
 
 TEST(NetworkDevice, LateAndRepeatedPacketsAreDropped) {

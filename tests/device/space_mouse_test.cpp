@@ -217,7 +217,7 @@ TEST_F(SpaceMouseTest, IsStaleWhenItIsUnpluggedAndComesBack) {
   ASSERT_TRUE(eventually([&] { return mouse.read().twist.linear_m_s.x() > 0.1; }));
   daemon_->send({kDevice, kRemoved});
   ASSERT_TRUE(eventually([&] { return mouse.read().state == DeviceState::kStale; }));
-  EXPECT_THAT(std::string(mouse.problem()), HasSubstr("unplugged: plug it in again"));
+  EXPECT_THAT(std::string(mouse.problem()), HasSubstr("unplugged: plug it in to continue"));
   EXPECT_TRUE(eventually([&] { return mouse.read().twist.linear_m_s.norm() == 0; }));
   daemon_->send({kDevice, kAdded});
   EXPECT_TRUE(eventually([&] { return mouse.read().state == DeviceState::kLive; }));

@@ -119,9 +119,9 @@ std::string refusalOf(const SoilIdentifier& identifier, const WindowForces& forc
 TEST_F(Identified, ASensorThatReadsNothingButNoiseIdentifiesNothing) {
   const WindowForces forces = soils_.forces(moon_, kGravity, 1000);
   EXPECT_THAT(refusalOf(identifier_, WindowForces(forces.size(), Vec3::Zero()), kGravity),
-              testing::HasSubstr("within the sensor's noise"));
+              testing::HasSubstr("within the noise of the sensor"));
   EXPECT_THAT(refusalOf(identifier_, WindowForces(forces.size(), Vec3(0.02, 0.02, -0.02)), kGravity),
-              testing::HasSubstr("not identified"));
+              testing::HasSubstr("check the columns of the sensor"));
   const SoilState asteroid{42, 500 * 1e-3 / kGravity, 0.36};
   EXPECT_EQ(refusalOf(identifier_, soils_.forces(asteroid, 1e-3, 1000), 1e-3), "identified");
 }
@@ -131,7 +131,8 @@ TEST_F(Identified, ForcesThatPushTheWrongWayIdentifyNothing) {
   for (Vec3& force_n : forces) {
     force_n = -force_n;
   }
-  EXPECT_THAT(refusalOf(identifier_, forces, kGravity), testing::HasSubstr("against what soil does to this tool"));
+  EXPECT_THAT(refusalOf(identifier_, forces, kGravity),
+              testing::HasSubstr("opposite to the force of soil on this tool"));
 }
 
 TEST_F(Identified, TooFewSoilsAreRefused) {

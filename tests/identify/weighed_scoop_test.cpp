@@ -103,7 +103,7 @@ TEST(WeighedScoop, RefusesWhatIsNoWeighing) {
   EXPECT_THAT(refusal({{0.5, 0.7}, {4.5, 7.5}, {}, 0}), HasSubstr("--empty-s"));
   EXPECT_THAT(refusal({{0.5, 3.5}, {14.5, 17.5}, {}, 0}), HasSubstr("--full-s"));
   EXPECT_THAT(refusal({{0.5, 3.5}, {4.5, 7.5}, Range{1, 3}, 0}), HasSubstr("--empty-again-s"));
-  EXPECT_THAT(refusal({{0.5, 3.5}, {4.5, 100}, {}, 0}), HasSubstr("within what was measured"));
+  EXPECT_THAT(refusal({{0.5, 3.5}, {4.5, 100}, {}, 0}), HasSubstr("within the measured time"));
   EXPECT_THAT(refusal({{0.5, 3.5}, {3, 7.5}, {}, 0}), HasSubstr("at another time than --full-s"));
   samples[2500].pose.position_m.x() = 2e-3;
   EXPECT_THAT(refusal({{0.5, 3.5}, {4.5, 7.5}, {}, 0}), HasSubstr("held still"));

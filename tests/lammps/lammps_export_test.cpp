@@ -56,7 +56,7 @@ TEST(LammpsExport, WritesEachGrainWithItsSizeAndMass) {
     EXPECT_NEAR(x, p.x, 1e-8);
     EXPECT_NEAR(z, p.z, 1e-8);
   }
-  EXPECT_THAT(files.setup, HasSubstr("The same, too: sizes, and the law of contacts"));
+  EXPECT_THAT(files.setup, HasSubstr("Also as in haptolith: sizes, and the contact law"));
   EXPECT_THAT(files.setup, HasSubstr("vector 0 0 -1.625"));
   EXPECT_THAT(files.setup, Not(HasSubstr("group           tool")));
   EXPECT_THAT(files.path, HasSubstr("run             5000"));
@@ -164,7 +164,7 @@ TEST(LammpsExport, WritesOurOwnLawWithOneTypeAndNoTable) {
   EXPECT_THAT(files.setup, HasSubstr("pair_style      granular\npair_coeff      * * haptolith 0.014 "));
   EXPECT_THAT(files.setup, HasSubstr("wall/gran granular haptolith 0.014 "));
   EXPECT_THAT(files.setup, HasSubstr("extras/lammps"));
-  EXPECT_THAT(files.setup, Not(HasSubstr("Not the same")));
+  EXPECT_THAT(files.setup, Not(HasSubstr("Different: ")));
   // Radii reach as far as cohesion does; the dump has the grains' own.
   const double reach_m = bed.law().cohesion_range_m / 2;
   std::istringstream row(section(files.data, "Atoms # sphere").front());

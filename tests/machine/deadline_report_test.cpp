@@ -29,16 +29,16 @@ TEST(DeadlineReport, SaysHowManyForWhichCause) {
 
 TEST(DeadlineReport, AdvisesCoarserSoilWhereTicksTakeTooLong) {
   EXPECT_EQ(deadlineAdvice(run(2500, 10, 10), "haptolith run --coarser"),
-            "the soil is too fine for this machine: 25 % of ticks took too long; try: haptolith run --coarser");
+            "the particles are too small for this machine: 25 % of ticks took too long; try: haptolith run --coarser");
   EXPECT_EQ(deadlineAdvice(run(11, 0, 0), "X"),
-            "the soil is too fine for this machine: 0.11 % of ticks took too long; try: X");
+            "the particles are too small for this machine: 0.11 % of ticks took too long; try: X");
   EXPECT_EQ(deadlineAdvice(run(200, 0, 0, 200), "X"),
-            "the soil is too fine for this machine: 100 % of ticks took too long; try: X");
+            "the particles are too small for this machine: 100 % of ticks took too long; try: X");
 }
 
 TEST(DeadlineReport, PointsToTheDoctorWhereTheMachineIsTheCause) {
   EXPECT_EQ(deadlineAdvice(run(30, 60, 40), "X"),
-            "other programs, or the host of a virtual machine, take the processor: 1 % of ticks were woken late or "
+            "other programs or the host of a virtual machine use the CPU: 1 % of ticks were woken late or "
             "interrupted; see: haptolith doctor");
 }
 

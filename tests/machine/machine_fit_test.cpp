@@ -26,14 +26,15 @@ FinestGrain someFit() {
 
 TEST(MachineFit, IsSaidInALine) {
   EXPECT_EQ(text(someFit(), 1170),
-            "4.4 mm particles on 1 thread: the finest soil this machine renders in time (1170 particles; 4 mm would "
-            "need 0.71 ms a tick)");
+            "4.4 mm particles on 1 thread: the finest soil that this machine renders in real time (1170 particles; 4 "
+            "mm would "
+            "need 0.71 ms per tick)");
   FinestGrain slow = someFit();
   slow.chosen.tick_us_p99 = 900;
-  EXPECT_THAT(text(slow, 300), HasSubstr("its ticks may be late on this machine"));
+  EXPECT_THAT(text(slow, 300), HasSubstr("ticks can be late on this machine"));
   FinestGrain beyond = someFit();
   beyond.too_slow->tick_us_p99 = std::numeric_limits<double>::infinity();
-  EXPECT_THAT(text(beyond, 1170), HasSubstr("4 mm would need more than any machine has"));
+  EXPECT_THAT(text(beyond, 1170), HasSubstr("4 mm exceeds any machine"));
   beyond.too_slow.reset();
   EXPECT_THAT(text(beyond, 1170), HasSubstr("(1170 particles)"));
 }

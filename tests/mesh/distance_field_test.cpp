@@ -281,7 +281,7 @@ TEST(DistanceField, GrowsCoarserToFitItsMemoryAndSaysSo) {
   const DistanceField field = fieldOf(made::cube(0.05), {.most_bytes = std::size_t{4} << 20});
   EXPECT_LE(field.bytes(), std::size_t{4} << 20);
   EXPECT_GT(field.spacing(), 0.4e-3);
-  EXPECT_THAT(field.report(), testing::ElementsAre(HasSubstr("0.4 mm would take more than 4 MiB")));
+  EXPECT_THAT(field.report(), testing::ElementsAre(HasSubstr("0.4 mm would need more than 4 MiB")));
   EXPECT_NEAR(field.at({0.027, 0.001, 0.002}).distance_m, 0.002, 1e-6);
   EXPECT_THAT(refusalOf(made::tube(0.03, 1e-3, 0.08, 90), {.most_bytes = std::size_t{4} << 20}),
               HasSubstr("to fit into 4 MiB, and at most 0.0005"));

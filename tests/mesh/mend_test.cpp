@@ -69,7 +69,7 @@ TEST(Mend, TurnsTrianglesAsTheirNeighboursLook) {
   const MendedMesh mended = mend(mesh);
   EXPECT_TRUE(isClosed(mended.mesh));
   EXPECT_NEAR(made::volume_m3(mended.mesh), volume_m3, 1e-15);
-  EXPECT_THAT(mended.report, testing::Contains(HasSubstr("looked the other way")));
+  EXPECT_THAT(mended.report, testing::Contains(HasSubstr("reversed orientation")));
 }
 
 TEST(Mend, LeavesOutCopiesAndTrianglesWithoutArea) {

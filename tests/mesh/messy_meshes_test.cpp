@@ -104,8 +104,8 @@ TEST(MessyMeshes, SayWhatIsLeftOut) {
   EXPECT_THAT(notes_of("l.stl"), IsEmpty());
   EXPECT_THAT(notes_of("l.glb"), IsEmpty());
   EXPECT_THAT(notes_of("gltf-mirrored-node.glb"), IsEmpty());
-  EXPECT_THAT(notes_of("stl-two-bytes-behind.stl"), ElementsAre(HasSubstr("2 bytes behind the 20 triangles")));
-  EXPECT_THAT(notes_of("gltf-bytes-behind.glb"), ElementsAre(HasSubstr("3 bytes behind its end")));
+  EXPECT_THAT(notes_of("stl-two-bytes-behind.stl"), ElementsAre(HasSubstr("2 bytes after the 20 triangles")));
+  EXPECT_THAT(notes_of("gltf-bytes-behind.glb"), ElementsAre(HasSubstr("3 bytes after its end")));
   EXPECT_THAT(notes_of("gltf-morph-targets.glb"), ElementsAre(HasSubstr("morph targets")));
   EXPECT_THAT(notes_of("gltf-skin.glb"), ElementsAre(HasSubstr("bones")));
   EXPECT_THAT(notes_of("gltf-lines-too.glb"), ElementsAre(HasSubstr("lines")));

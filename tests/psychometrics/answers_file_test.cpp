@@ -81,8 +81,8 @@ TEST(AnswersFile, NonsenseIsToldWithLineAndColumn) {
   EXPECT_THAT(refusalOf("x,response\n1,maybe\n"), HasSubstr(":2: column response"));
   EXPECT_THAT(refusalOf("x,x,k,n\n1,1,2,3\n"), HasSubstr("twice"));
   EXPECT_THAT(refusalOf(""), HasSubstr("nothing in it"));
-  EXPECT_THAT(refusalOf("x,k,n\n"), HasSubstr("no answer"));
-  EXPECT_THAT(refusalOf("x,k,n\n1,0,0\n"), HasSubstr("no answer"));
+  EXPECT_THAT(refusalOf("x,k,n\n"), HasSubstr("without a response"));
+  EXPECT_THAT(refusalOf("x,k,n\n1,0,0\n"), HasSubstr("without a response"));
 }
 
 std::vector<std::string> warningsOf(const std::string& text) {
@@ -107,9 +107,10 @@ TEST(AnswersFile, ACodeInTwoGroupsIsTwoPeople) {
   EXPECT_EQ(answers[0].levels[0].n, 3);
   EXPECT_EQ(answers[2].group, "B");
   EXPECT_THAT(namesOf(answers), testing::ElementsAre("1 (A)", "2", "1 (B)"));
-  EXPECT_THAT(warningsOf(table),
-              testing::ElementsAre("answers.csv: participant '1' is in the groups 'A', 'B': taken for different people "
-                                   "in each group"));
+  EXPECT_THAT(
+      warningsOf(table),
+      testing::ElementsAre("answers.csv: participant '1' is in the groups 'A', 'B': counted as different participants "
+                           "in each group"));
 }
 
 TEST(AnswersFile, RowsWithoutACodeAreTold) {
@@ -124,7 +125,7 @@ TEST(AnswersFile, RowsThatRepeatOthersAreTold) {
   EXPECT_THAT(warningsOf("x,k,n\n" + levels + levels),
               testing::ElementsAre(HasSubstr("answers.csv:4: the same row as in line 2 (and 1 more rows)")));
   EXPECT_THAT(warningsOf("x,response\n" + trials + trials),
-              testing::ElementsAre(HasSubstr("answers.csv:7: from here")));
+              testing::ElementsAre(HasSubstr("answers.csv:7: the rows from here")));
   EXPECT_THAT(warningsOf("x,response\n" + trials), testing::IsEmpty()) << "trials may be alike";
   EXPECT_THAT(warningsOf("trial,x,response\n1,1,1\n1,1,1\n"), testing::SizeIs(1));
 }

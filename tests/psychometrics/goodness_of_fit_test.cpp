@@ -57,7 +57,7 @@ TEST(SimulatedAnswers, OfACertainStimulusAreCertain) {
 
 TEST(Doubt, IsToldOfAnswersThatRunTheOtherWay) {
   const std::vector<Level> falling{{.5, 20, 20}, {.7, 18, 20}, {.9, 10, 20}, {1.1, 2, 20}, {1.3, 0, 20}};
-  EXPECT_THAT(doubtOf(falling, {}), HasSubstr("become fewer with more of the stimulus: fit a falling one, --falling?"));
+  EXPECT_THAT(doubtOf(falling, {}), HasSubstr("become fewer for larger stimuli: fit a falling one, --falling?"));
   EXPECT_THAT(doubtOf(falling, {.falling = true}), IsEmpty());
   const std::vector<Level> rising{{.5, 0, 20}, {.7, 2, 20}, {.9, 10, 20}, {1.1, 18, 20}};
   EXPECT_THAT(doubtOf(rising, {}), IsEmpty());
@@ -69,7 +69,7 @@ TEST(Doubt, IsToldOfAnswersThatRunTheOtherWay) {
 TEST(Doubt, IsToldOfFewerRightAnswersThanByGuessing) {
   const FitOptions two{.design = Design::kForcedChoice};
   EXPECT_THAT(doubtOf(std::vector<Level>{{1, 0, 20}, {2, 0, 20}}, two),
-              HasSubstr("0 of 40 answers are right, where guessing gives one of 2"));
+              HasSubstr("0 of 40 responses are correct, and guessing gives 1 of 2"));
   EXPECT_THAT(doubtOf(std::vector<Level>{{1, 8, 20}, {2, 9, 20}}, two), IsEmpty());
 }
 

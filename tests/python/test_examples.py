@@ -35,7 +35,7 @@ def test_many_scenes(tmp_path):
 
 def test_own_device(tmp_path):
     told = output_of("own_device.py", where=tmp_path)
-    assert "ended: the time asked for is over" in told
+    assert "ended: duration reached" in told
     assert max(float(n) for n in re.findall(r"mm +([\d.]+) N", told)) > 0.2
 
 

@@ -87,7 +87,7 @@ def test_of_a_started_loop(tmp_path):
             time.sleep(0.005)
     with Recording(tmp_path / "run.h5") as recording:
         assert recording.verify().ticks == 1000
-        assert recording.events[-1] == {"time_s": 1.0, "tick": 1000, "kind": "end", "text": "the time asked for is over"}
+        assert recording.events[-1] == {"time_s": 1.0, "tick": 1000, "kind": "end", "text": "duration reached"}
 
 
 def test_hdf5_is_loaded_only_for_recordings():

@@ -283,7 +283,7 @@ TEST_F(RecordedPicturesTest, WhatSomebodyHasChangedIsNotGuessed) {
       EXPECT_TRUE(kIsUnknown(picture.contact_force_n));
       EXPECT_FALSE(picture.tool);
     }
-    EXPECT_EQ(all.why_not_replayed, replay ? "at 0.351 s somebody changed the scene" : "");
+    EXPECT_EQ(all.why_not_replayed, replay ? "at 0.351 s a client changed the scene" : "");
   }
 }
 

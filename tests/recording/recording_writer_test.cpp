@@ -275,7 +275,7 @@ TEST_F(RecordingWriterTest, AHeaderThatCannotBeReadBackIsRefused) {
 TEST_F(RecordingWriterTest, AnExistingFileIsKeptUnlessToldOtherwise) {
   std::ofstream(file("a.h5")) << "precious";
   EXPECT_THAT([&] { RecordingWriter(file("a.h5"), madeUpHeader()); },
-              ThrowsMessage<Failure>(AllOf(HasSubstr("a.h5"), HasSubstr("exists already"))));
+              ThrowsMessage<Failure>(AllOf(HasSubstr("a.h5"), HasSubstr("already exists"))));
   std::string content;
   std::getline(std::ifstream(file("a.h5")), content);
   EXPECT_EQ(content, "precious");
@@ -318,7 +318,7 @@ TEST_F(RecordingWriterTest, ARemovedFileEndsTheRecording) {
     writer.add(madeUpTicks(0, 10));
     std::this_thread::sleep_for(10ms);
   }
-  EXPECT_THAT(writer.problem(), AllOf(HasSubstr("a.h5"), HasSubstr("somebody has removed the file")));
+  EXPECT_THAT(writer.problem(), AllOf(HasSubstr("a.h5"), HasSubstr("the file was removed")));
   writer.add(madeUpTicks(0, 10));
   writer.finish();
 }
@@ -333,9 +333,9 @@ TEST_F(RecordingWriterTest, AFullDiskEndsTheRecordingAndKeepsWhatIsInTheFile) {
         << "hangs or crashes";
     std::string problem;
     std::getline(std::ifstream(file("out")), problem);
-    EXPECT_THAT(problem, AllOf(HasSubstr(name), HasSubstr("File too large"), HasSubstr("it holds")));
+    EXPECT_THAT(problem, AllOf(HasSubstr(name), HasSubstr("File too large"), HasSubstr("it contains")));
     const RecordingReader reader(file(name));
-    EXPECT_THAT(problem, HasSubstr(fmt::format("it holds {} ticks, {} pictures", reader.ticks(), reader.frames())));
+    EXPECT_THAT(problem, HasSubstr(fmt::format("it contains {} ticks, {} frames", reader.ticks(), reader.frames())));
     expectMadeUp(reader.readTicks(0, reader.ticks()), 0);
     for (const FrameRow& row : reader.readFrameRows(0, reader.frames())) {
       EXPECT_EQ(reader.readFrame(row).position_m, madeUpFrame(row.tick / 33, row.count).position_m);

@@ -390,7 +390,7 @@ TEST_F(ReplayTest, SoilThatLearnsIsReplayedToTheLastBit) {
 
   const std::vector<RecordingEvent> all = events_;
   events_.resize(3);
-  EXPECT_EQ(replayed().ended_early, "at 0.071 s the soil changed, and how is not recorded");
+  EXPECT_EQ(replayed().ended_early, "at 0.071 s the soil changed; the change is not recorded");
   EXPECT_EQ(replayed().ticks, 70U);
   events_ = all;
   std::swap(events_[3], events_[9]);
@@ -426,7 +426,7 @@ TEST_F(ReplayTest, GrainsThatWereMovedAreMovedAgain) {
 
   const std::vector<RecordingEvent> all = events_;
   events_.resize(2);
-  EXPECT_EQ(replayed().ended_early, "at 0.061 s a grain was moved, and which is not recorded");
+  EXPECT_EQ(replayed().ended_early, "at 0.061 s a particle was moved; its index is not recorded");
   events_ = all;
   std::swap(events_[0], events_[1]);
   EXPECT_TRUE(replayed().difference) << "another grain";
@@ -453,7 +453,7 @@ TEST_F(ReplayTest, AChangedSceneEndsTheComparisonAndSaysWhy) {
   const ReplayResult result = replayed();
   EXPECT_EQ(result.ticks, 120U);
   EXPECT_FALSE(result.difference);
-  EXPECT_EQ(result.ended_early, "at 0.121 s somebody changed the scene");
+  EXPECT_EQ(result.ended_early, "at 0.121 s a client changed the scene");
 }
 
 TEST_F(ReplayTest, WhoeverLooksOnMayEndIt) {
@@ -529,7 +529,7 @@ TEST(DeclaredLimitsText, GarbageIsRefused) {
   for (const std::string& text :
        {std::string(), std::string("nonsense"), std::string("[]"), std::string("{}"), std::string("{\"simulated\": 1}"),
         whole.substr(0, whole.size() / 2), wrong_type, short_centre}) {
-    EXPECT_THAT([&] { (void)limitsOf(text); }, ThrowsMessage<Failure>(HasSubstr("what the recorded device declared")))
+    EXPECT_THAT([&] { (void)limitsOf(text); }, ThrowsMessage<Failure>(HasSubstr("limits of the recorded device")))
         << text;
   }
 }

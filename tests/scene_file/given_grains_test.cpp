@@ -90,8 +90,8 @@ TEST_F(GrainsInAScene, AreRefusedWithTheirLine) {
   EXPECT_THAT(errorOf("start = 'given'\n"), HasSubstr("needs [bed] grains"));
   EXPECT_THAT(errorOf("start = 'packed'\ngrains = 'bed.csv'\n"), HasSubstr("cannot both be given"));
   EXPECT_THAT(errorOf("grains = 'bed.csv'\ndepth_mm = 50\n"), HasSubstr("depth_mm has no effect"));
-  EXPECT_THAT(errorOf("grains_data = '1:AAAA'\n"), HasSubstr("how many grains are held"));
-  EXPECT_THAT(errorOf("grains_data = 'AAAA'\n"), HasSubstr("how many grains are held"));
+  EXPECT_THAT(errorOf("grains_data = '1:AAAA'\n"), HasSubstr("the number of held particles"));
+  EXPECT_THAT(errorOf("grains_data = 'AAAA'\n"), HasSubstr("the number of held particles"));
 }
 
 }  // namespace

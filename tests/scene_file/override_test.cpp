@@ -102,7 +102,7 @@ TEST(Overrides, SayWhichOfThemIsWrong) {
   EXPECT_THAT(message({"rain.count=3"}), testing::StartsWith("override rain.count=3: [rain] is not known"));
   EXPECT_THAT(message({"soil.file=no-such.toml"}), HasSubstr("no such file"));
   EXPECT_THAT(message({"soil.file=" + std::string(300, 'x')}), HasSubstr("no such file")) << "nor can be";
-  EXPECT_THAT(message({"device.library=/tmp/x.so"}), HasSubstr("no file names code"));
+  EXPECT_THAT(message({"device.library=/tmp/x.so"}), HasSubstr("cannot name libraries"));
   EXPECT_THAT(message({"title=\xff\xfe"}), HasSubstr("UTF-8"));
   EXPECT_THAT(message({"bed.depth_mm=60"}), HasSubstr("has no effect"));
 }

@@ -128,11 +128,11 @@ class PersonsSession : public testing::Test {
 
 TEST_F(PersonsSession, WhatOnlyASimulatedHandCanDoIsRefusedAndSaysWho) {
   const auto refused = [](const char* what) {
-    return ThrowsMessage<InvalidParameter>(AllOf(HasSubstr(what), HasSubstr("a person has the tool (a person's)")));
+    return ThrowsMessage<InvalidParameter>(AllOf(HasSubstr(what), HasSubstr("a haptic device moves")));
   };
-  EXPECT_THAT([this] { session_->hold(Pose{Vec3(0, 0, 0.1)}); }, refused("hold"));
-  EXPECT_THAT([this] { session_->play(Manoeuvre::kStir); }, refused("play"));
-  EXPECT_THAT([this] { session_->setSpeed(0.5); }, refused("factor"));
+  EXPECT_THAT([this] { session_->hold(Pose{Vec3(0, 0, 0.1)}); }, refused("cannot move the tool"));
+  EXPECT_THAT([this] { session_->play(Manoeuvre::kStir); }, refused("cannot move the tool"));
+  EXPECT_THAT([this] { session_->setSpeed(0.5); }, refused("cannot change the speed"));
   EXPECT_FALSE(session_->held());
   EXPECT_EQ(session_->speed(), 1);
   session_->release();  // without a held tool: no effect

@@ -59,7 +59,7 @@ class TripFilesTest : public testing::Test {
 TEST_F(TripFilesTest, SayWhyAndKeepTheTicksBefore) {
   TripFiles trips;
   EXPECT_THAT(trips.tell(at(1.25), "no answer from the handle"),
-              AllOf(HasSubstr("at 1.250 s the hand was let go"), HasSubstr(text(SafetyTrip::kStale)),
+              AllOf(HasSubstr("safety trip at 1.250 s"), HasSubstr(text(SafetyTrip::kStale)),
                     HasSubstr("no answer from the handle"),
                     HasSubstr("the last 2 ticks are in " + (kept() / "haptolith-trip-").string())));
   ASSERT_EQ(files(), 1);

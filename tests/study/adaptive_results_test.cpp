@@ -103,9 +103,9 @@ TEST(AdaptiveResults, SayThatTheLevelsEndWhereTheyDo) {
     return adaptiveResult(block, kSeed, answersOf(block, w, kSeed)).value().remark;
   };
   EXPECT_THAT(remark(0.15), IsEmpty());
-  EXPECT_THAT(remark(3.0), HasSubstr("the Weber fraction may be larger"));
+  EXPECT_THAT(remark(3.0), HasSubstr("the Weber fraction can be larger"));
   EXPECT_THAT(remark(0.001),
-              HasSubstr("no level is nearer to the reference than 0.81: the Weber fraction may be smaller"));
+              HasSubstr("no level is closer to the reference than 0.81: the Weber fraction can be smaller"));
 }
 
 // 200 people of w = 0.05: the coarse grid with which stimuli are chosen held 81 % of the points of equality.

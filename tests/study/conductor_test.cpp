@@ -639,7 +639,7 @@ TEST_F(ConductorTest, PracticeGoesOnUntilEnoughIsRight) {
   practise(2);
   EXPECT_EQ(conductor_->state().now->kind, TrialKind::kMain) << "there is no fourth round";
   EXPECT_EQ(criteriaNotMet(store_->protocol().blocks[0], scoresOf(store_->protocol(), store_->trials(), 0, 2)),
-            "practice criterion not met: 2 of 4 right, 0.75 asked for");
+            "practice criterion not met: 2 of 4 correct, 0.75 required");
 }
 
 TEST_F(ConductorTest, RoundsOfPracticeAreLeftOutOfAListToo) {
@@ -682,7 +682,7 @@ between_trials_s = 0
   }
   EXPECT_EQ(countOf(TrialState::kAnswered), 10U);
   EXPECT_EQ(criteriaNotMet(store_->protocol().blocks[0], scoresOf(store_->protocol(), store_->trials(), 0, 1)),
-            "catch criterion not met: 0 of 2 right, 0.9 asked for");
+            "catch criterion not met: 0 of 2 correct, 0.9 required");
 }
 
 }  // namespace

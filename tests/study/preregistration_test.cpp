@@ -37,8 +37,8 @@ TEST(Preregistration, SaysWhatTheProtocolSays) {
   const std::string text =
       textFor("participants = 12\n" + kTop + kBlock + "catch_criterion = 0.8\nhypothesis = 'w is below 0.5.'\n");
   EXPECT_THAT(text, HasSubstr("- friction: w is below 0.5.\n"));
-  EXPECT_THAT(text, HasSubstr("12 who finish"));
-  EXPECT_THAT(text, HasSubstr("less than 80 % of the catch trials"));
+  EXPECT_THAT(text, HasSubstr("12 complete data sets"));
+  EXPECT_THAT(text, HasSubstr("less than 80 % correct catch trials"));
   EXPECT_THAT(text, Not(HasSubstr("[HYPOTHESIS")));
   EXPECT_THAT(text, Not(HasSubstr("[NUMBER")));
   EXPECT_THAT(text, Not(HasSubstr("[CRITERION")));
@@ -55,7 +55,7 @@ TEST(Preregistration, SaysHowPeopleAreAllocatedToGroups) {
   EXPECT_THAT(text, HasSubstr("A permuted block has 4 participants"));
   EXPECT_THAT(text, HasSubstr("Strata by \"Which hand do you write with?\" (hand): left; right."));
   EXPECT_THAT(text, HasSubstr("(age): < 30; 30 to < 50; >= 50."));
-  EXPECT_THAT(text, HasSubstr("Groups are fitted each by itself"));
+  EXPECT_THAT(text, HasSubstr("Groups are fitted separately"));
 }
 
 }  // namespace

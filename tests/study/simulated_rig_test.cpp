@@ -63,7 +63,7 @@ TEST(SimulatedRig, RefusesAtOnceAHandThatStaysAboveTheSoil) {
     const SimulatedRig rig(protocol, kStir);
     FAIL() << "taken";
   } catch (const InvalidParameter& error) {
-    EXPECT_NE(std::string(error.what()).find("stir, by which the tool comes"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("stir, which moves the tool"), std::string::npos) << error.what();
   }
   EXPECT_NO_THROW(SimulatedRig(protocol, {.manoeuvre = Manoeuvre::kPress}));
   for (const char* name : {"paper", "paper-friction", "paper-gravity"}) {

@@ -46,11 +46,10 @@ TEST_F(StoreExclusions, NeedAReasonAndAChange) {
   StudyStore store(file_, Access::kRun);
   const std::int64_t id = store.addParticipant("").id;
   EXPECT_THAT(messageOf<InvalidParameter>([&] { store.setExcluded(id, true, " "); }), HasSubstr("reason"));
-  EXPECT_THAT(messageOf<InvalidParameter>([&] { store.setExcluded(id, false, "none"); }),
-              HasSubstr("one who is excluded"));
+  EXPECT_THAT(messageOf<InvalidParameter>([&] { store.setExcluded(id, false, "none"); }), HasSubstr("is not excluded"));
   store.setExcluded(id, true, "catch trials");
   EXPECT_THAT(messageOf<InvalidParameter>([&] { store.setExcluded(id, true, "asleep"); }),
-              HasSubstr("not excluded yet (it was for: catch trials)"));
+              HasSubstr("already excluded (reason: catch trials)"));
   EXPECT_EQ(store.exclusions().size(), 1U);
 }
 

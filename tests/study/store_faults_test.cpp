@@ -145,7 +145,7 @@ TEST_F(StoreFaults, AFullDiskIsAClearErrorAndLosesNothing) {
     const rlimit full{static_cast<rlim_t>(fs::file_size(file_.string() + "-wal")), RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &full);
     const std::string message = messageOf<Failure>([&] { store.beginTrial(trial(id, 1)); });
-    const bool clear = message.find("the disk is full or failing: make room") != std::string::npos;
+    const bool clear = message.find("the disk is full or failing: free some space") != std::string::npos;
     const rlimit room{RLIM_INFINITY, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &room);
     const std::int64_t begun = store.beginTrial(trial(id, 1));  // the store continues once there is room
@@ -173,7 +173,7 @@ TEST_F(StoreFaults, AFullDiskLeavesNoHalfAStudy) {
     setrlimit(RLIMIT_FSIZE, &full);
     const std::string message = messageOf<Failure>(
         [&] { StudyStore::create(folder_ / "b.study", loadProtocolText(kTwoBlocks, "two.toml"), kTwoBlocks, 1); });
-    _exit(message.find("b.study") != std::string::npos && message.find("make room") != std::string::npos ? 0 : 1);
+    _exit(message.find("b.study") != std::string::npos && message.find("free some space") != std::string::npos ? 0 : 1);
   }
   int status = 0;
   waitpid(child, &status, 0);
@@ -303,13 +303,13 @@ TEST_F(StoreFaults, OneRunsAndOthersRead) {
   runner.answerTrial(begun, answer(1));
   EXPECT_EQ(reader.trials().size(), 1U);
   const std::string error = errorOfOpening(file_, Access::kRun);
-  EXPECT_THAT(error, AllOf(HasSubstr("runs it already"), HasSubstr(fmt::format("process {}", getpid()))));
+  EXPECT_THAT(error, AllOf(HasSubstr("already runs it"), HasSubstr(fmt::format("process {}", getpid()))));
 }
 
 TEST_F(StoreFaults, ASecondRunnerIsRefusedWhateverNameItGivesTheFile) {
   const StudyStore runner(file_, Access::kRun);
   fs::create_symlink(file_, folder_ / "link.study");
-  EXPECT_THAT(errorOfOpening(folder_ / "link.study", Access::kRun), HasSubstr("runs it already"));
+  EXPECT_THAT(errorOfOpening(folder_ / "link.study", Access::kRun), HasSubstr("already runs it"));
 }
 
 TEST_F(StoreFaults, AStudyWithTwoNamesIsRunByNeither) {

@@ -303,10 +303,10 @@ TEST_F(StoreRemoval, OneThatFailsHalfWayIsBroughtToItsEndByTheNextRun) {
     const std::int64_t id = somebody(store);
     fs::create_directories(recording(99) / "not empty");  // cannot be deleted
     const std::string message = messageOf<Failure>([&] { store.removeParticipant(id); });
-    EXPECT_THAT(message, AllOf(HasSubstr("cannot delete"), HasSubstr("not at its end")));
+    EXPECT_THAT(message, AllOf(HasSubstr("cannot delete"), HasSubstr("not completed")));
     EXPECT_EQ(store.removals()[0].done_at, "");
   }
-  EXPECT_THAT(messageOf<Failure>([&] { const StudyStore store(file_, Access::kRun); }), HasSubstr("not at its end"));
+  EXPECT_THAT(messageOf<Failure>([&] { const StudyStore store(file_, Access::kRun); }), HasSubstr("not completed"));
   EXPECT_EQ(StudyStore(file_, Access::kRead).removals()[0].done_at, "");
   fs::remove_all(recording(99));
   const StudyStore store(file_, Access::kRun);

@@ -55,7 +55,7 @@ TEST_F(Store, IsNeverOverwritten) {
   const std::string before = bytesOf(file_);
   EXPECT_THAT(
       messageOf<Failure>([&] { StudyStore::create(file_, loadProtocolText(kTwoBlocks, "two.toml"), kTwoBlocks, 1); }),
-      HasSubstr("a.study exists already"));
+      HasSubstr("a.study already exists"));
   EXPECT_EQ(bytesOf(file_), before);
 }
 
@@ -165,7 +165,7 @@ TEST_F(Store, RefusesFormsThatAreIncompleteOrWrong) {
   EXPECT_THAT(refusal({{"name", "Ada"}}), HasSubstr("age"));
   EXPECT_THAT(refusal({{"age", "17"}}), HasSubstr("18 to 99"));
   EXPECT_THAT(refusal({{"age", "thirty"}}), HasSubstr("a number"));
-  EXPECT_THAT(refusal({{"age", "36"}, {"shoe", "42"}}), HasSubstr("no such item"));
+  EXPECT_THAT(refusal({{"age", "36"}, {"shoe", "42"}}), HasSubstr("not have this item"));
   EXPECT_TRUE(store.formAnswers(true).empty());
 }
 
@@ -213,7 +213,7 @@ TEST_F(Store, TakesOneAnswerForATrial) {
   const std::int64_t begun = store.beginTrial(trial(id, 0));
   store.answerTrial(begun, answer(1));
   EXPECT_THAT(messageOf<Failure>([&] { store.answerTrial(begun, answer(2)); }), HasSubstr("is answered"));
-  EXPECT_THAT(messageOf<Failure>([&] { store.beginTrial(trial(id, 0, 1)); }), HasSubstr("has an answer already"));
+  EXPECT_THAT(messageOf<Failure>([&] { store.beginTrial(trial(id, 0, 1)); }), HasSubstr("already has an answer"));
   ASSERT_EQ(store.trials(id).size(), 1U);
   EXPECT_EQ(store.trials(id)[0].answer->reaction_s, 1);
 }
@@ -223,7 +223,7 @@ TEST_F(Store, HasOneTrialUnderWayForEachParticipant) {
   const std::int64_t one = store.addParticipant("").id;
   const std::int64_t other = store.addParticipant("").id;
   const std::int64_t begun = store.beginTrial(trial(one, 0));
-  EXPECT_THAT(messageOf<Failure>([&] { store.beginTrial(trial(one, 1)); }), HasSubstr("under way"));
+  EXPECT_THAT(messageOf<Failure>([&] { store.beginTrial(trial(one, 1)); }), HasSubstr("is running"));
   store.beginTrial(trial(other, 0));
   store.voidTrial(begun, TrialState::kLost, "crash");
   store.beginTrial(trial(one, 0, 1));

@@ -111,15 +111,15 @@ TEST_F(StudyMessages, OnlyTheParticipantHoldsTheToolAndOnlyWhileThereIsSomething
   pages.handleMessages(1, R"({"act": "join", "as": "participant"})");
   pages.handleMessages(2, R"({"act": "join", "as": "experimenter"})");
   EXPECT_EQ(pages.refusal(1, Wish::kLook), "");
-  EXPECT_THAT(pages.refusal(1, Wish::kHoldTool), HasSubstr("nothing to feel"));
+  EXPECT_THAT(pages.refusal(1, Wish::kHoldTool), HasSubstr("no stimulus"));
   conductor_->begin("");
   says({{"act", "fill"}, {"values", {{"age", "30"}, {"name", "Ada"}}}});
   now_s_ += 1;
   conductor_->poll();
   ASSERT_EQ(conductor_->state().phase, StudyPhase::kInterval);
   EXPECT_EQ(pages.refusal(1, Wish::kHoldTool), "");
-  EXPECT_THAT(pages.refusal(2, Wish::kHoldTool), HasSubstr("nobody changes"));
-  EXPECT_THAT(pages.refusal(1, Wish::kChangeScene), HasSubstr("nobody changes"));
+  EXPECT_THAT(pages.refusal(2, Wish::kHoldTool), HasSubstr("the scene cannot be changed"));
+  EXPECT_THAT(pages.refusal(1, Wish::kChangeScene), HasSubstr("the scene cannot be changed"));
   EXPECT_FALSE(pages.news(1.0).lets_go);
   now_s_ += 1;
   says({{"act", "go"}});

@@ -165,7 +165,7 @@ TEST_F(TeleopStudy, ATrialEndsWhenTheWorkIsSeenToBeDone) {
   rig_.summary = {.done = 1, .time_s = 12.5, .force_error = 0.4, .stops = 1};
   wait(1);
   EXPECT_EQ(phase(), StudyPhase::kFeedback);
-  EXPECT_EQ(page()["title"], "That is done");
+  EXPECT_EQ(page()["title"], "Task completed");
   EXPECT_EQ(page()["feedback"], "right");
   const std::vector<TrialRow> rows = store_->trials();
   ASSERT_THAT(rows, SizeIs(1));
@@ -188,7 +188,7 @@ TEST_F(TeleopStudy, ATrialEndsWhenItsTimeIsOver) {
   EXPECT_EQ(phase(), StudyPhase::kInterval);
   wait(1.1);
   EXPECT_EQ(phase(), StudyPhase::kFeedback);
-  EXPECT_EQ(page()["title"], "The time is over");
+  EXPECT_EQ(page()["title"], "Time is over");
   EXPECT_EQ(store_->trials()[0].answer->teleop->done, 0);
 }
 
@@ -276,7 +276,7 @@ TEST_F(TeleopStudy, TheTableHasWhatWasMeasured) {
 TEST_F(TeleopStudy, ThePreregistrationSaysWhatIsMeasured) {
   const std::string text = preregistrationText(load(kHead + kDig), {.protocol_text = kHead + kDig, .version = "1"});
   EXPECT_THAT(text, HasSubstr("task time"));
-  EXPECT_THAT(text, HasSubstr("The delay is 2.6 s there and back"));
+  EXPECT_THAT(text, HasSubstr("The round-trip delay is 2.6 s"));
   EXPECT_THAT(text, testing::Not(HasSubstr("psychometric")));
 }
 

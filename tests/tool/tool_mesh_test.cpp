@@ -99,7 +99,7 @@ TEST(ToolMesh, RefusesWhatCannotBeATool) {
     return "";
   };
   ToolMeshSource source = sourceOf(objOf(toolSurface(shovel(0.005), 0)));
-  EXPECT_THAT(message(source, 0.03), HasSubstr("grains touch a mesh from at most 0.0295 m"));
+  EXPECT_THAT(message(source, 0.03), HasSubstr("particles touch a mesh from at most 0.0295 m"));
   source.unit_m = 0.2;
   EXPECT_THAT(message(source, kReach_m), HasSubstr("tool.obj: largest edge"));
   source.unit_m = 2;

@@ -49,7 +49,7 @@ import { Stage } from './view/stage';
 const DESCRIBE_INTERVAL_MS = 1000;
 // In software rendering, plots cost as much as a frame of the bed.
 const SOFTWARE_PLOTS_MS = 240;
-const RECORDING = (run: () => void): Shortcut => ({ keys: ['o'], label: 'record, on and off', group: 'time', run });
+const RECORDING = (run: () => void): Shortcut => ({ keys: ['o'], label: 'record: on or off', group: 'time', run });
 
 /** State and actions that a page with the bed offers to other modules. */
 export interface BedPage {
@@ -96,10 +96,10 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     if (agreed) return tell({ ...command, confirmed: true });
     askFirst(
       {
-        title: 'A person is holding the device',
-        text: `Changes of soil, world or tool change what the hand at the device (${now.status.device}) feels. Tell them before. You are not asked again until they let go.`,
+        title: 'A user is holding the device',
+        text: `Changing the soil, gravity or tool changes the force at the device (${now.status.device}). Warn the user first. This question is not repeated until the device is released.`,
         stay: 'Cancel',
-        go_on: 'Change it',
+        go_on: 'Change',
       },
       () => {
         agreed = true;
@@ -168,10 +168,10 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   const shortcuts: Shortcut[] = [
     ...TOUCH,
     ...TOOL_KEYS,
-    { keys: ['g'], label: 'drag anywhere to dig, on and off', group: 'tool', run: () => controls.toggleDig() },
+    { keys: ['g'], label: 'drag anywhere to dig: on or off', group: 'tool', run: () => controls.toggleDig() },
     { keys: ['y'], label: 'virtual hand: hold still', group: 'tool', run: () => controls.holdStill() },
-    { keys: ['k'], label: 'bring the tool over the bed, ready to dig', group: 'tool', run: bringTool },
-    { keys: ['m'], label: 'virtual hand: next manoeuvre', group: 'tool', run: () => controls.next('manoeuvre') },
+    { keys: ['k'], label: 'move the tool above the bed, ready to dig', group: 'tool', run: bringTool },
+    { keys: ['m'], label: 'virtual hand: next motion', group: 'tool', run: () => controls.next('manoeuvre') },
     { keys: ['x'], label: 'next tool', group: 'tool', run: () => controls.next('shape') },
     ...VIEW_KEYS,
     ...VIEW_NAMES.map((name, i): Shortcut => ({
@@ -181,24 +181,24 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
       group: 'view',
       run: () => stage.setView(name),
     })),
-    { keys: ['0'], label: 'view as it was', group: 'view', run: () => stage.resetView() },
+    { keys: ['0'], label: 'reset the view', group: 'view', run: () => stage.resetView() },
     { keys: ['+', '='], shown: '+ −', label: 'nearer, farther', group: 'view', run: () => zoom(1.15) },
     { keys: ['-'], shown: '', label: 'farther', group: 'view', run: () => zoom(1 / 1.15) },
     { keys: ['c'], label: 'next colours', group: 'view', run: nextColour },
-    { keys: ['p'], label: 'soil as grains or as balls', group: 'view', run: nextDrawing },
+    { keys: ['p'], label: 'show soil as grains or as spheres', group: 'view', run: nextDrawing },
     { keys: ['v'], label: 'enter or leave VR', group: 'view', run: toggleVr },
-    { keys: ['r'], label: 'reset: the scene as it was started', group: 'bed', run: () => ask({ do: 'reset' }) },
+    { keys: ['r'], label: 'reset the scene', group: 'bed', run: () => ask({ do: 'reset' }) },
     { keys: ['l'], label: 'level the surface', group: 'bed', run: () => ask({ do: 'level' }) },
     { keys: ['ctrl+z', 'u'], shown: 'Ctrl+Z  U', label: 'undo', group: 'bed', run: () => ask({ do: 'undo' }) },
-    { keys: [']'], shown: '[ ]', label: 'soil before, next soil', group: 'bed', run: () => controls.next('soil') },
-    { keys: ['['], shown: '', label: 'soil before', group: 'bed', run: () => controls.next('soil', -1) },
-    { keys: ['j'], label: 'coarser soil, for a machine that is late', group: 'bed', run: coarsen },
+    { keys: [']'], shown: '[ ]', label: 'previous or next soil', group: 'bed', run: () => controls.next('soil') },
+    { keys: ['['], shown: '', label: 'previous soil', group: 'bed', run: () => controls.next('soil', -1) },
+    { keys: ['j'], label: 'coarser particles, for slow machines', group: 'bed', run: coarsen },
     { keys: ['b'], label: 'next body', group: 'bed', run: () => controls.next('body') },
     { keys: ['f'], label: 'next friction model', group: 'bed', run: () => controls.next('friction') },
     { keys: [' '], shown: 'Space', label: 'pause, resume', group: 'time', run: () => controls.togglePause() },
-    { keys: ['.'], label: 'while paused: one tick', group: 'time', run: () => controls.stepOnce(1) },
-    { keys: [','], label: 'while paused: 100 ticks', group: 'time', run: () => controls.stepOnce(100) },
-    { keys: ['n'], label: 'slow motion, on and off', group: 'time', run: () => controls.toggleSlowMotion() },
+    { keys: ['.'], label: 'one tick, while paused', group: 'time', run: () => controls.stepOnce(1) },
+    { keys: [','], label: '100 ticks, while paused', group: 'time', run: () => controls.stepOnce(100) },
+    { keys: ['n'], label: 'slow motion: on or off', group: 'time', run: () => controls.toggleSlowMotion() },
     ...(program.recordingAddress ? [RECORDING(() => controls.toggleRecord())] : []),
     {
       keys: ['h'],
@@ -212,7 +212,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
       group: 'page',
       run: () => setTheme(now.theme === 'dark' ? 'light' : 'dark'),
     },
-    { keys: ['?'], label: 'this help', group: 'page', run: () => help.toggle() },
+    { keys: ['?'], label: 'show this help', group: 'page', run: () => help.toggle() },
   ];
   const help = new Help(shortcuts, () =>
     now.hello ? `haptolith ${now.hello.version}, protocol ${now.hello.protocol}` : 'haptolith',
@@ -235,7 +235,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     { type: 'button', class: 'icon-button', 'aria-label': 'Help', title: 'Help (?)', onclick: () => help.toggle() },
     '?',
   );
-  const hint = h('div', { class: 'hint' }, 'Drag the tool to dig · drag beside it to look around · ? for help');
+  const hint = h('div', { class: 'hint' }, 'Drag the tool to dig · drag next to it to rotate the view · ? for help');
   const hint_hidden = settings.for_pictures || !stage.draws;
   hint.hidden = hint_hidden;
   scale_bar.element.hidden = !stage.draws;
@@ -332,10 +332,10 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
 
   function onStatus(status: Status): void {
     if (status.problem && status.problem !== now.status?.problem) {
-      notices.toast(`That could not be made: ${status.problem}`);
+      notices.toast(`The change failed: ${status.problem}`);
     }
     if (status.let_go && status.let_go !== now.status?.let_go) {
-      notices.toast(`The hand was let go: ${status.let_go}.`);
+      notices.toast(`Safety trip: ${status.let_go}.`);
     }
     agreed &&= status.person_feels;
     now.status = status;
@@ -400,7 +400,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
 
   function setSound(on: boolean): boolean {
     const plays = sound.setOn(on);
-    if (!plays) notices.toast('No sound: this browser plays none.');
+    if (!plays) notices.toast('No sound: this browser does not support it.');
     return plays;
   }
 
@@ -431,7 +431,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   }
 
   function toggleVr(): void {
-    if (vr.unavailable) return notices.toast(`No VR: ${vr.unavailable}.`);
+    if (vr.unavailable) return notices.toast(`VR is not available: ${vr.unavailable}.`);
     vr.toggle().catch((error: unknown) =>
       notices.toast(`VR did not start: ${error instanceof Error ? error.message : String(error)}`),
     );
@@ -440,7 +440,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   function showVr(): void {
     setText(vr_button, vr.active ? 'Leave VR' : 'Enter VR');
     vr_button.disabled = vr.unavailable !== null;
-    vr_button.title = vr.unavailable ? `No VR: ${vr.unavailable}` : 'Enter or leave VR (V)';
+    vr_button.title = vr.unavailable ? `VR is not available: ${vr.unavailable}` : 'Enter or leave VR (V)';
   }
 
   function showHolding(): void {

@@ -63,7 +63,7 @@ const SILENCE_MS = 8000;
 export const SILENCE_FOR_PICTURES_MS = 3_600_000;
 const Uploaded = v.object({ upload: v.number() });
 
-export const NO_TOKEN = 'this address lacks the token: open the page by the address that the program printed';
+export const NO_TOKEN = 'access token missing: open the address that the program printed';
 
 export function socketAddress(location: Location, token: string | null): string {
   const scheme = location.protocol === 'https:' ? 'wss:' : 'ws:';
@@ -87,7 +87,7 @@ export class ServedProgram implements Program {
     try {
       const { status } = await fetch(this.address.replace(/^ws/, 'http'), { cache: 'no-store' });
       if (status === 401) return NO_TOKEN;
-      if (status === 429) return 'too many wrong tokens came from here';
+      if (status === 429) return 'too many wrong tokens from this address';
     } catch {
       // no program at this address
     }
@@ -96,7 +96,7 @@ export class ServedProgram implements Program {
 
   async upload(file: Blob): Promise<number> {
     const answer = await fetch(this.beside('/upload'), { method: 'PUT', body: file });
-    if (!answer.ok) throw new Error(`The file was not taken: ${(await answer.text()).trim()}.`);
+    if (!answer.ok) throw new Error(`Upload failed: ${(await answer.text()).trim()}.`);
     return v.parse(Uploaded, await answer.json()).upload;
   }
 

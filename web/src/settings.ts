@@ -2,6 +2,7 @@
 // last visit, else the browser's preference.
 
 import { COLOUR_MODES, type ColourMode, type Role, ROLES } from 'haptolith-protocol';
+import { languageOf } from './study/words/words';
 
 export const VIEW_NAMES = ['front', 'side', 'top', 'three-quarter'] as const;
 export type ViewName = (typeof VIEW_NAMES)[number];
@@ -20,6 +21,8 @@ export interface Settings {
   for_pictures: boolean;
   /** role in a study; null: the bed's page */
   study: Role | null;
+  /** language of the participant's page: "en", "de" */
+  language: string;
 }
 
 const THEME_KEY = 'haptolith.theme';
@@ -59,6 +62,7 @@ export function readSettings(search: string, prefers_light: boolean): Settings {
     panels: query.get('panels') !== '0',
     for_pictures: query.get('quality') === 'full',
     study: oneOf(ROLES, query.get('study')),
+    language: languageOf(query.get('lang')),
   };
 }
 

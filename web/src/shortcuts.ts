@@ -11,35 +11,40 @@ export interface Shortcut {
 }
 
 export const TOUCH: Shortcut[] = [
-  { keys: [], shown: 'finger on the tool', label: 'hold it and dig', group: 'touch' },
-  { keys: [], shown: 'finger beside it', label: 'look around', group: 'touch' },
-  { keys: [], shown: 'two fingers', label: 'look around; pinch for nearer and farther', group: 'touch' },
-  { keys: [], shown: 'Tilt', label: 'nose down or up: 40° to 60° digs', group: 'touch' },
+  { keys: [], shown: 'finger on the tool', label: 'hold the tool and dig', group: 'touch' },
+  { keys: [], shown: 'finger next to it', label: 'rotate the view', group: 'touch' },
+  { keys: [], shown: 'two fingers', label: 'rotate the view; pinch to zoom', group: 'touch' },
+  { keys: [], shown: 'Tilt', label: 'pitch of the tool; 40° to 60° to dig', group: 'touch' },
   { keys: [], shown: 'Controls', label: 'soil, body and tool; “drag anywhere to dig” for small tools', group: 'touch' },
-  { keys: [], shown: 'tap a number', label: 'what it means', group: 'touch' },
+  { keys: [], shown: 'tap a number', label: 'explanation', group: 'touch' },
 ];
 
 /** Keys that move the tool; handled in hand/key_hand.ts. */
 export const TOOL_KEYS: Shortcut[] = [
-  { keys: [], shown: 'drag the tool', label: 'hold it and dig; Shift for fine', group: 'tool' },
-  { keys: [], shown: 'wheel while held', label: 'away and nearer; from above: lower and raise', group: 'tool' },
-  { keys: [], shown: '← → ↑ ↓', label: 'move it level', group: 'tool' },
-  { keys: [], shown: 'Page Up / Down', label: 'raise and lower it', group: 'tool' },
-  { keys: [], shown: 'Q E', label: 'turn it (yaw)', group: 'tool' },
-  { keys: [], shown: 'W S', label: 'tilt it: nose down and up (pitch)', group: 'tool' },
-  { keys: [], shown: 'A D', label: 'roll it', group: 'tool' },
-  { keys: [], shown: 'gamepad', label: 'left stick level, right stick up and yaw, triggers pitch', group: 'tool' },
+  { keys: [], shown: 'drag the tool', label: 'hold the tool and dig; Shift for fine motion', group: 'tool' },
+  { keys: [], shown: 'wheel while held', label: 'move away or nearer; in the top view: lower or raise', group: 'tool' },
+  { keys: [], shown: '← → ↑ ↓', label: 'move the tool horizontally', group: 'tool' },
+  { keys: [], shown: 'Page Up / Down', label: 'raise or lower the tool', group: 'tool' },
+  { keys: [], shown: 'Q E', label: 'yaw', group: 'tool' },
+  { keys: [], shown: 'W S', label: 'pitch: nose down or up', group: 'tool' },
+  { keys: [], shown: 'A D', label: 'roll', group: 'tool' },
+  {
+    keys: [],
+    shown: 'gamepad',
+    label: 'left stick: horizontal; right stick: up and yaw; triggers: pitch',
+    group: 'tool',
+  },
 ];
 
 export const VIEW_KEYS: Shortcut[] = [
   {
     keys: [],
-    shown: 'drag beside the tool',
-    label: 'look around (also right or middle button, two fingers)',
+    shown: 'drag next to the tool',
+    label: 'rotate the view (also right or middle button, two fingers)',
     group: 'view',
   },
-  { keys: [], shown: 'Shift + drag', label: 'look at another place', group: 'view' },
-  { keys: [], shown: 'wheel, pinch', label: 'nearer and farther', group: 'view' },
+  { keys: [], shown: 'Shift + drag', label: 'move the view', group: 'view' },
+  { keys: [], shown: 'wheel, pinch', label: 'zoom', group: 'view' },
 ];
 
 /** Runs the shortcut of a key; false when it has none. */

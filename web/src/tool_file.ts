@@ -16,9 +16,9 @@ const UNITS_MM: [name: string, unit_mm: number][] = [
 /** Returns the reason why this file cannot be a tool, in words for a person; null: it may be one. */
 export function whyNoTool(file: Pick<File, 'name' | 'size'>): string | null {
   if (!ENDINGS.some((ending) => file.name.toLowerCase().endsWith(ending)))
-    return `${file.name} is no drawing of a tool: its name must end in ${ENDINGS.join(', ')}.`;
+    return `${file.name} is not a mesh file: its name must end in ${ENDINGS.join(', ')}.`;
   if (file.size > MOST_BYTES)
-    return `${file.name} has ${Math.ceil(file.size / 1024 / 1024)} MiB; pages take at most 32. Name it in the scene file instead: [tool] mesh.`;
+    return `${file.name} has ${Math.ceil(file.size / 1024 / 1024)} MiB; the limit is 32. Use the key [tool] mesh of a scene file instead.`;
   return null;
 }
 
@@ -37,7 +37,7 @@ export class ToolFiles {
   readonly overlay = h(
     'div',
     { class: 'drop-here', hidden: true },
-    h('p', {}, 'Drop a drawing here to dig with it', h('small', {}, 'STL, OBJ or glTF')),
+    h('p', {}, 'Drop a mesh file here to use it as the tool', h('small', {}, 'STL, OBJ or glTF')),
   );
   private readonly chooser = h('input', { type: 'file', accept: ENDINGS.join(',') });
 
@@ -84,17 +84,17 @@ export class ToolFiles {
     const sheet = h('input', { type: 'number', id: 'sheet', min: 0, max: 20, step: 0.1, value: 0 });
     askFirst(
       {
-        title: `Dig with ${file.name}?`,
-        text: 'The hand holds it in the middle. Holes are mended where that is safe; what cannot be mended is said.',
+        title: `Use ${file.name} as the tool?`,
+        text: 'The hand holds it at its centre. Small holes are closed; other defects are reported.',
         choice: h(
           'div',
           { class: 'tool-file' },
           !metric && h('label', {}, h('span', {}, 'Unit of the file'), unit),
-          h('label', {}, h('span', {}, 'Its walls are bare sheet: thickness in mm'), sheet),
+          h('label', {}, h('span', {}, 'Thickness of open surfaces in mm'), sheet),
         ),
         harmless: true,
         stay: 'Cancel',
-        go_on: 'Dig with it',
+        go_on: 'Use it',
       },
       () => {
         this.listener.upload(file).then(

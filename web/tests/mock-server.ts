@@ -312,9 +312,9 @@ export class MockServer {
     }
     const refused = study?.refuse(client.number, command) ?? null;
     if (refused !== null) return refused;
-    if (this.options.read_only && command.do !== 'colour') return 'viewers cannot change anything';
+    if (this.options.read_only && command.do !== 'colour') return 'view only: the program was started with --read-only';
     if (isFeltChange(command) && this.options.person_feels && !command.confirmed)
-      return 'confirmed = not true is not valid: must be true while a person holds the device (a handle)';
+      return 'not confirmed: a user holds the haptic device (a handle); confirm the change';
     switch (command.do) {
       case 'hold': {
         if (this.paused) return 'the program is paused';
@@ -419,7 +419,7 @@ export class MockServer {
     const before = this.scene;
     const bed = this.bed;
     this.remember('soil', () => this.exchange(before, bed));
-    this.busy = 'making the bed: 0.3 s';
+    this.busy = 'preparing the bed: settled for 0.3 s';
     this.sendAll(this.status());
     setTimeout(() => {
       this.busy = null;

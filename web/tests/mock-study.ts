@@ -227,7 +227,7 @@ export class MockStudy {
     const { phase } = this.screen.message;
     switch (command.act) {
       case 'go':
-        if (this.button === null) return 'there is nothing to go on from now';
+        if (this.button === null) return '"Continue" is not available now';
         this.goOn();
         return null;
       case 'fill':
@@ -242,7 +242,7 @@ export class MockStudy {
         return null;
       case 'quit':
         this.withdrawn = true;
-        this.note('program', 'The participant has stopped taking part.');
+        this.note('program', 'The participant has withdrawn.');
         return null;
       default:
         return `a participant may not ${command.act}`;

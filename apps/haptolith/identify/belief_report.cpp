@@ -29,9 +29,9 @@ std::array<Line, 4> linesOf(const SoilBelief& belief, const SoilPrior& prior, do
   const auto pascals = [&](double cohesion_m) { return cohesion_m * 1500 * gravity_m_s2; };
   const auto angle = [](double friction) { return degrees(std::atan(friction)); };
   return {Line{"friction angle", "friction_angle_deg", belief.friction_angle_deg, prior.friction_angle_deg, "°", 1,
-               "residual: what sheared soil has left"},
+               "residual: after large strain"},
           Line{"", "peak_angle_deg", belief.peak_angle_deg, prior.friction_angle_deg, "°", 1,
-               "peak: dense soil that nothing has touched"},
+               "peak: undisturbed dense soil"},
           Line{"cohesion",
                "cohesion_pa",
                belief.cohesion_pa,
@@ -58,18 +58,17 @@ std::string beliefText(const SoilBelief& belief, const SoilPrior& prior, double 
       text += fmt::format("  {:20} {:>9}  {:>16}  {}\n", line.name, number(line.estimate.middle) + line.unit,
                           number(line.estimate.low) + " to " + number(line.estimate.high), line.note);
     } else if (*line.name != '\0') {
-      text += fmt::format("  {:20} {:>9}  not identified: these forces do not tell\n", line.name, "");
+      text += fmt::format("  {:20} {:>9}  not identified by these forces\n", line.name, "");
     }
   }
   text +=
-      fmt::format("  {:20} {:>9}  not identified: that takes a scoop that is weighed, see haptolith identify density\n",
-                  "density", "");
-  text += fmt::format("  {:20} {:>9}  not identified: forces of kinds of soil differ more than it changes them\n",
+      fmt::format("  {:20} {:>9}  not identified: weigh a scoop of soil (haptolith identify density)\n", "density", "");
+  text += fmt::format("  {:20} {:>9}  not identified: its effect is smaller than the differences between soils\n",
                       "adhesion to the tool", "");
   if (belief.misfit > kStrange) {
     text += fmt::format(
-        "  These forces are {:.1f} times as far from what was learned as soils are: it is none of their kinds, or\n"
-        "  something else is in it, such as a stone. Do not trust the numbers above.\n",
+        "  These forces are out of distribution: {:.1f} times the usual distance from the training. The soil is\n  of "
+        "another kind, or it contains an object such as a stone. Do not trust the numbers above.\n",
         belief.misfit);
   }
   return text;

@@ -12,6 +12,7 @@
 
 #include "identify/identify_commands.h"
 #include "identify/training_options.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 #include "shared/saved.h"
 
@@ -22,10 +23,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kIdentifyCheckExamples = R"(Examples:
-  haptolith identify check --out hidden.json               50 soils: an hour of two processors
-  haptolith identify check --out hidden.json --resume      goes on, or tells once more what came of them
+  haptolith identify check --out hidden.json               50 soils: one hour on two cores
+  haptolith identify check --out hidden.json --resume      continue, or print the result again
 
-docs/reports/identification.md has the results of the built-in training.)";
+Results of the built-in training: docs/reports/identification.md)";
 
 struct CheckOptions {
   SoilsOptions soils;
@@ -43,7 +44,7 @@ std::string rowText(const CheckedSoil& row) {
                      part(row.truth.friction_angle_deg, belief.friction_angle_deg, 1),
                      part(row.truth.cohesion_pa, belief.cohesion_pa, 0),
                      part(row.tool_friction_angle_deg, belief.tool_friction_angle_deg, 1),
-                     belief.misfit > kStrange ? "strange" : "", row.has_stone ? " stone" : "");
+                     belief.misfit > kStrange ? "out of distribution" : "", row.has_stone ? " stone" : "");
 }
 
 void check(const CheckOptions& options) {
@@ -79,7 +80,7 @@ void check(const CheckOptions& options) {
   text += "\n* outside the 90 % interval\n";
   for (const bool with_stones : {true, false}) {
     text +=
-        with_stones ? "\nall of them                 median error  held by 90 % intervals\n" : "\nwithout a stone\n";
+        with_stones ? "\nall soils                   median error  covered by 90 % intervals\n" : "\nwithout a stone\n";
     for (const CheckedNumber& number : checked.numbers(with_stones)) {
       text += fmt::format("  {:28} {:>9}  {:21.0f} %\n", number.name,
                           fmt::format("{:.{}f}{}", number.median_error, number.decimals, number.unit),
@@ -94,17 +95,17 @@ void check(const CheckOptions& options) {
 
 void addIdentifyCheck(CLI::App& identify) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = identify.add_subcommand(
-      "check", "Tell soils that no training has seen, and compare with what a shear test measures");
+  CLI::App* command =
+      identify.add_subcommand("check", "Evaluate the estimates with soils outside the training, against a shear test");
   command->footer(kIdentifyCheckExamples);
-  command->add_option("--out", options->soils.out_file, "Where to keep what these soils do to the tool")
+  command->add_option("--out", options->soils.out_file, "File for the forces of these soils on the tool")
       ->option_text("FILE.json")
       ->required();
-  command->add_option("--training", options->training_file, "What was learned")->option_text("FILE.json [the probe's]");
+  command->add_option("--training", options->training_file, "Training file")->option_text("FILE.json [the probe's]");
   options->soils.addTo(*command, 50);
-  command->add_option("--figure", options->figure_file, "Draw what was told over what is true (.svg or .png)")
+  command->add_option("--figure", options->figure_file, "Draw estimates over true values (.svg or .png)")
       ->option_text("FILE");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { check(*options); });
 }
 

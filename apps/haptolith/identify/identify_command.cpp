@@ -9,12 +9,13 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kIdentifyExamples = R"(Examples:
-  haptolith identify probe --out probe.csv            where a robot's shovel goes to learn about soil
-  haptolith identify soil measured.csv                what soil it was that the robot met there
-  haptolith identify next first.csv --out second.csv  which part of the probe would tell the most after that
-  haptolith identify train --poses mine.csv --scene mine.toml --out mine.json    another movement, another tool
+  haptolith identify probe --out probe.csv            write the trajectory of a robot's shovel
+  haptolith identify soil measured.csv                estimate the soil from the measured forces
+  haptolith identify next first.csv --out second.csv  choose the most informative next part
+  haptolith identify train --poses mine.csv --scene mine.toml --out mine.json
+                                                      train for another trajectory and tool
 
-Guide: docs/how-to/identify-a-soil.md. Results: docs/reports/identification.md.)";
+Guide: docs/how-to/identify-a-soil.md; methods and accuracy: docs/reports/identification.md)";
 
 }  // namespace
 

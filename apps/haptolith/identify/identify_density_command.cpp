@@ -12,6 +12,7 @@
 #include "haptolith/soil/bodies.h"
 
 #include "identify/identify_commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 
@@ -21,9 +22,10 @@ namespace {
 
 constexpr const char* kIdentifyDensityExamples = R"(Examples:
   haptolith identify density weighed.csv --empty-s 0,2 --full-s 8,10 --volume-cm3 44,3
-  haptolith identify density weighed.csv --empty-s 0,2 --full-s 8,10 --empty-again-s 14,16 --volume-cm3 44,3
+  haptolith identify density weighed.csv --empty-s 0,2 --full-s 8,10 --empty-again-s 14,16 \
+    --volume-cm3 44,3
 
-Results: docs/reports/identification.md.)";
+Accuracy: docs/reports/identification.md)";
 
 constexpr double kCm3 = 1e-6;  // in m^3
 
@@ -83,7 +85,7 @@ void tellDensity(const DensityOptions& options) {
     text += fmt::format("  {:10} {:>14}  {:>20}\n", "density", fmt::format("{:.0f} kg/m³", density_kg_m3->middle),
                         fmt::format("{:.0f} to {:.0f}", density_kg_m3->low, density_kg_m3->high));
   } else {
-    text += "  density    not told: that takes --volume-cm3\n";
+    text += "  density    not estimated (needs --volume-cm3)\n";
   }
   printText(text);
 }
@@ -93,13 +95,12 @@ void tellDensity(const DensityOptions& options) {
 void addIdentifyDensity(CLI::App& identify) {
   auto options = std::make_shared<DensityOptions>();
   CLI::App* command =
-      identify.add_subcommand("density", "Weigh soil in a scoop, and tell its density from the volume it came from");
+      identify.add_subcommand("density", "Estimate bulk density from the weight and volume of scooped soil");
   command->footer(kIdentifyDensityExamples);
   command
       ->add_option(
           "measured", options->measured_file,
-          "Table with t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n, soil_fz_n: where the scoop was,\n"
-          "and the force on it, z up")
+          "Table of scoop pose and force, z up: t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n, soil_fz_n")
       ->option_text("FILE.csv")
       ->required();
   const auto times = [&](const char* name, std::vector<double>& times_s, const char* help) {
@@ -109,27 +110,25 @@ void addIdentifyDensity(CLI::App& identify) {
         ->expected(2)
         ->check(numberIn({-1e6, 1e6}));
   };
-  times("--empty-s", options->empty_s, "When it was held still in the air, empty")->required();
-  times("--full-s", options->full_s, "When it was held still in the air with soil in it")->required();
-  times("--empty-again-s", options->empty_again_s, "When it was held still once more after it was emptied");
-  command
-      ->add_option("--drift-n-s", options->drift_n_s,
-                   "By how much the sensor's zero may have wandered in a second: standard deviation")
+  times("--empty-s", options->empty_s, "Time span in which the empty scoop is held still in the air")->required();
+  times("--full-s", options->full_s, "Time span in which the filled scoop is held still in the air")->required();
+  times("--empty-again-s", options->empty_again_s, "Time span in which the emptied scoop is held still again");
+  command->add_option("--drift-n-s", options->drift_n_s, "Standard deviation of the drift of the sensor per second")
       ->option_text("N/S [0]")
       ->check(numberIn({0, 1}));
   command
       ->add_option("--volume-cm3", options->volume_cm3,
-                   "Volume of that soil where it lay, and the standard deviation of its error")
+                   "Volume of the soil in place, and the standard deviation of its error")
       ->option_text("V[,S]")
       ->delimiter(',')
       ->expected(1, 2)
       ->check(numberIn({0, 1e6}));
-  command->add_option("--body", options->body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
-  command->add_option("--gravity-m-s2", options->gravity_m_s2, "Gravity, where it is none of theirs")
+  command->add_option("--body", options->body, kBodyHelp)->capture_default_str();
+  command->add_option("--gravity-m-s2", options->gravity_m_s2, "Gravity, instead of a body")
       ->option_text("G")
       ->check(numberIn({1e-3, 100}))
       ->excludes("--body");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { tellDensity(*options); });
 }
 

@@ -17,6 +17,7 @@
 
 #include "identify/identify_commands.h"
 #include "identify/measured_options.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -29,11 +30,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kIdentifyNextExamples = R"(Examples:
-  haptolith identify next --out first.csv                          nothing is measured yet: where to begin
-  haptolith identify next measured.csv --out second.csv            what to do after that
+  haptolith identify next --out first.csv                          choose the first part
+  haptolith identify next measured.csv --out second.csv            choose the part after that
   haptolith identify next first.csv second.csv --wanted 10,400,14
 
-docs/reports/identification.md compares the order with others.)";
+Method and results: docs/reports/identification.md)";
 
 struct NextOptions {
   MeasuredOptions measured;
@@ -66,17 +67,16 @@ Json widthsJson(const SoilWidths& widths) {
 std::string adviceText(const std::vector<PartGain>& gains, const std::optional<PartGain>& next,
                        const std::vector<MovementPart>& parts, const SoilWidths& now, const SoilWidths& wanted) {
   if (isNarrow(now, wanted)) {
-    return "No interval is wider than is wanted: no other part is needed.\n";
+    return "All intervals are within their targets: no other part is needed.\n";
   }
   if (gains.empty()) {
-    return "All parts are measured: what is still wide, this movement does not tell.\n";
+    return "All parts are measured: this movement cannot narrow the remaining intervals.\n";
   }
   if (!next) {
-    return fmt::format("No part that is left is expected to make an interval that is too wide narrower by {:.0f} %.\n",
-                       100 * kHelps);
+    return fmt::format("No remaining part is expected to narrow a wide interval by {:.0f} %.\n", 100 * kHelps);
   }
-  return fmt::format("Next: {}, which tells the most a second, {:.2f} bits, of what would help.\n",
-                     parts[next->part].name, next->bits_s);
+  return fmt::format("Next: {}, the most informative part, {:.2f} bits per second.\n", parts[next->part].name,
+                     next->bits_s);
 }
 
 void tellNext(const NextOptions& options) {
@@ -110,7 +110,7 @@ void tellNext(const NextOptions& options) {
     return;
   }
   std::string text = "identify next: " + measured.text(options.measured) +
-                     fmt::format("\n  {:38} {:>15}  {:>11}  {:>18}\n", "how wide 90 % intervals are", "friction angle",
+                     fmt::format("\n  {:38} {:>15}  {:>11}  {:>18}\n", "width of the 90 % interval", "friction angle",
                                  "cohesion", "soil-tool friction") +
                      fmt::format("  {:38} ", "now") + widthsText(now) + fmt::format("  {:38} ", "wanted") +
                      widthsText(wanted);
@@ -173,25 +173,24 @@ void checkOrders(const NextOptions& options) {
 
 void addIdentifyNext(CLI::App& identify) {
   auto options = std::make_shared<NextOptions>();
-  CLI::App* command = identify.add_subcommand(
-      "next", "Choose the part of a probe that is to be made next, by what it is expected to tell");
+  CLI::App* command = identify.add_subcommand("next", "Choose the next part of a probe by its expected information");
   command->footer(kIdentifyNextExamples);
   options->measured.addTo(*command, false);
-  command->add_option("--out", options->out_file, "Where to write where the tool goes, every millisecond")
+  command->add_option("--out", options->out_file, "Write the trajectory of the tool, one pose per millisecond")
       ->option_text("FILE.csv");
   command
       ->add_option("--wanted", options->wanted,
-                   "How wide 90 % intervals may be: of the friction angle in degrees, of cohesion in Pa, of soil-tool\n"
-                   "friction in degrees")
+                   "Target widths of the 90 % intervals of friction angle (degrees), cohesion (Pa) and soil-tool "
+                   "friction (degrees)")
       ->option_text("DEG,PA,DEG [12,400,15 on the Moon]")
       ->delimiter(',')
       ->expected(3)
       ->check(numberIn({0, 1e6}));
   command->add_flag(
       "--check", options->check,
-      "Tell instead how soon the soils of the training are told, each left out, in this order and others");
+      "Report instead how quickly each training soil is identified (leave-one-out), by order of the parts");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { options->check ? checkOrders(*options) : tellNext(*options); });
 }
 

@@ -24,7 +24,8 @@ namespace {
 
 constexpr const char* kIdentifyProbeExamples = R"(Examples:
   haptolith identify probe --out probe.csv
-  haptolith identify probe --scene field --out probe.csv && haptolith run field --poses probe.csv --trace measured.csv)";
+  haptolith identify probe --scene field --out probe.csv
+  haptolith run field --poses probe.csv --trace measured.csv)";
 
 struct ProbeOptions {
   std::string out_file;
@@ -56,12 +57,13 @@ void writeProbe(const ProbeOptions& options) {
 
 void addIdentifyProbe(CLI::App& identify) {
   auto options = std::make_shared<ProbeOptions>();
-  CLI::App* command = identify.add_subcommand(
-      "probe", "Write where a shovel goes, every millisecond, so that its forces tell about the soil");
+  CLI::App* command = identify.add_subcommand("probe", "Write a shovel trajectory whose forces identify the soil");
   command->footer(kIdentifyProbeExamples);
-  command->add_option("--out", options->out_file, "Where to write it")->option_text("FILE.csv")->required();
+  command->add_option("--out", options->out_file, "Write the trajectory, one pose per millisecond")
+      ->option_text("FILE.csv")
+      ->required();
   addOrigin(*command, options->origin_mm);
-  command->add_option("--scene", options->scene, "The same for the bed of a scene, which then settles")
+  command->add_option("--scene", options->scene, "Start at the settled surface of the bed of this scene")
       ->option_text("SCENE")
       ->excludes("--origin-mm");
   options->overwrite.addTo(*command);

@@ -11,6 +11,7 @@
 #include "identify/belief_report.h"
 #include "identify/identify_commands.h"
 #include "identify/measured_options.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -22,10 +23,11 @@ namespace {
 
 constexpr const char* kIdentifySoilExamples = R"(Examples:
   haptolith identify soil measured.csv
-  haptolith identify soil press.csv cut.csv                 parts of the probe, in whatever order
-  haptolith identify soil trace.csv --origin-mm 0,0,70 --soil-out found.toml && haptolith run dig --set soil.file=found.toml
+  haptolith identify soil press.csv cut.csv               parts of the probe, in any order
+  haptolith identify soil trace.csv --origin-mm 0,0,70 --soil-out found.toml
+  haptolith run dig --set soil.file=found.toml            run the estimated soil
 
-Table: docs/how-to/identify-a-soil.md. Results: docs/reports/identification.md.)";
+Format of the table: docs/how-to/identify-a-soil.md; accuracy: docs/reports/identification.md)";
 
 struct SoilOptions {
   MeasuredOptions measured;
@@ -82,19 +84,19 @@ void identifySoil(const SoilOptions& options) {
 
 void addIdentifySoil(CLI::App& identify) {
   auto options = std::make_shared<SoilOptions>();
-  CLI::App* command = identify.add_subcommand("soil", "Tell from forces on a tool what soil it moved through");
+  CLI::App* command = identify.add_subcommand("soil", "Estimate soil parameters from measured tool forces");
   command->footer(kIdentifySoilExamples);
   options->measured.addTo(*command, true);
-  command->add_option("--density-kg-m3", options->density_kg_m3, "Its density in bulk, for --soil-out")
+  command->add_option("--density-kg-m3", options->density_kg_m3, "Bulk density, for --soil-out")
       ->option_text("RHO [1500]")
       ->check(numberIn({1000, 2500}));
-  command->add_option("--soil-out", options->soil_out, "Write soil that behaves so, for scenes")
+  command->add_option("--soil-out", options->soil_out, "Write a soil file with the estimated strength")
       ->option_text("FILE.toml");
-  command->add_option("--radius-mm", options->radius_mm, "Radius of its grains")
+  command->add_option("--radius-mm", options->radius_mm, "Radius of a particle, for --soil-out")
       ->option_text("R [5]")
       ->check(numberIn({0.5, 20}));
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { identifySoil(*options); });
 }
 

@@ -16,11 +16,12 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kIdentifyTrainExamples = R"(Examples:
-  haptolith identify train --out probe.json                                  as the built-in one was made
+  haptolith identify train --out probe.json                        repeat the built-in training
   haptolith identify train --poses mine.csv --scene mine.toml --out mine.json
-  haptolith identify train --out probe.json --soils 200 --resume             goes on, with more soils
+  haptolith identify train --out probe.json --soils 200 --resume   continue, with more soils
 
-Every soil takes about a minute of one processor; fewer than 100 tell little. docs/reports/identification.md describes the training.)";
+A soil takes about one minute on one core. Fewer than 100 soils are not sufficient.
+Method: docs/reports/identification.md)";
 
 void train(const SoilsOptions& options) {
   Training training = dugSoils(options, trainingNumber);
@@ -29,7 +30,7 @@ void train(const SoilsOptions& options) {
       training.temper = LeaveOneOut(training).calibratedTemper();
       keep(options, training);
     } catch (const InvalidParameter& too_few) {  // the finished runs stay in the file
-      printNotice(fmt::format("not enough to learn from yet: {}\n", too_few.what()));
+      printNotice(fmt::format("not enough soils yet: {}\n", too_few.what()));
     }
   }
   printNotice(savedText());
@@ -40,11 +41,9 @@ void train(const SoilsOptions& options) {
 void addIdentifyTrain(CLI::App& identify) {
   auto options = std::make_shared<SoilsOptions>();
   CLI::App* command =
-      identify.add_subcommand("train", "Dig along a movement in many soils, to learn what each does to the tool");
+      identify.add_subcommand("train", "Simulate a movement in many soils, and save their forces on the tool");
   command->footer(kIdentifyTrainExamples);
-  command->add_option("--out", options->out_file, "Where to write what was learned")
-      ->option_text("FILE.json")
-      ->required();
+  command->add_option("--out", options->out_file, "Training file to write")->option_text("FILE.json")->required();
   options->addTo(*command, 121);
   command->callback([options] { train(*options); });
 }

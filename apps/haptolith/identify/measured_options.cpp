@@ -11,26 +11,26 @@
 #include "haptolith/identify/training/training_file.h"
 #include "haptolith/soil/bodies.h"
 
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 
 namespace haptolith {
 
 void MeasuredOptions::addTo(CLI::App& command, bool needed) {
   command
-      .add_option(
-          "measured", files,
-          "Tables with t_s, x_m, y_m, z_m, qw, qx, qy, qz, soil_fx_n, soil_fy_n, soil_fz_n: where the tool was,\n"
-          "and the force of the soil on it, along the movement or parts of it")
+      .add_option("measured", files,
+                  "Tables of tool pose and soil force along the movement or parts of it: t_s, x_m, y_m, z_m, qw, qx, "
+                  "qy, qz, soil_fx_n, soil_fy_n, soil_fz_n")
       ->option_text("FILE.csv ...")
       ->required(needed);
-  command.add_option("--training", training_file, "What soils do to this tool along this movement")
+  command.add_option("--training", training_file, "Training file of this tool and movement")
       ->option_text("FILE.json [the probe's]");
   addOrigin(command, origin_mm);
-  command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
+  command.add_option("--body", body, kBodyHelp)->capture_default_str();
 }
 
 void addOrigin(CLI::App& command, std::vector<double>& origin_mm) {
-  command.add_option("--origin-mm", origin_mm, "Where the middle of the soil's surface is in its frame, z up")
+  command.add_option("--origin-mm", origin_mm, "Centre of the soil's surface in the frame of the table, z up")
       ->option_text("X,Y,Z [0,0,0]")
       ->delimiter(',')
       ->expected(3)
@@ -51,9 +51,9 @@ std::string nowhereText(const std::string& file, const std::vector<MeasuredSampl
   const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
   std::ranges::nth_element(steps_s, middle);
   return fmt::format(
-      "{}: the tool is nowhere within 3 mm and 3 degrees of the movement that was learned; is --origin-mm right? "
-      "Rows are {:.3g} s apart, and the tool is within {:.3g} x {:.3g} x {:.3g} m: t_s is in seconds, places are in "
-      "metres, and quaternions begin with w",
+      "{}: the tool is never within 3 mm and 3 degrees of the trained movement; check --origin-mm. Rows are {:.3g} s "
+      "apart, and the tool moves within {:.3g} x {:.3g} x {:.3g} m: t_s must be in seconds, positions in metres, and "
+      "quaternions must begin with w",
       file, *middle, high_m.x() - low_m.x(), high_m.y() - low_m.y(), high_m.z() - low_m.z());
 }
 
@@ -91,7 +91,7 @@ std::string Measured::text(const MeasuredOptions& options) const {
   const std::vector<bool> measured = partsMeasured();
   const auto count = std::ranges::count(measured, true);
   const std::size_t numbers = identifier.emulator().observed(matched.forces, gravity_m_s2).which.size();
-  std::string text = fmt::format("{} of {} parts are measured: {} of {} windows are in place, {} numbers tell\n", count,
+  std::string text = fmt::format("{} of {} parts are measured: {} of {} windows match, {} numbers are used\n", count,
                                  parts.size(), matched.windows, matched.forces.size(), numbers);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (measured[i]) {

@@ -17,6 +17,7 @@
 #include "haptolith/scene_file/scene_file.h"
 #include "haptolith/scene_file/scene_words.h"
 
+#include "shared/common_options.h"
 #include "shared/kept_work.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -42,7 +43,7 @@ ToolMovement movementOf(const PoseFile& file) {
 Training keptBefore(const std::filesystem::path& path) {
   constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;
   if (!std::filesystem::is_regular_file(path) || std::filesystem::file_size(path) > kMostBytes) {
-    throw InvalidParameter("--resume", path.string(), "a file that this command has begun, of 64 MiB at most");
+    throw InvalidParameter("--resume", path.string(), "a file of this command, of at most 64 MiB");
   }
   std::ifstream file(path);
   const std::string text(std::istreambuf_iterator<char>(file), {});
@@ -70,11 +71,11 @@ Training begun(const SoilsOptions& options, const Dig& dig) {
 void MovementOptions::addTo(CLI::App& command) {
   command
       .add_option("--poses", poses_file,
-                  "Movement of the tool: t_s,x_m,y_m,z_m,qw,qx,qy,qz, the origin in the middle of the soil's surface")
+                  "Movement of the tool: t_s,x_m,y_m,z_m,qw,qx,qy,qz, origin at the centre of the soil's surface")
       ->option_text("FILE.csv [the probe]");
-  command.add_option("--scene", scene_file, "Scene with the tool, gravity and the box")
+  command.add_option("--scene", scene_file, "Scene with the tool, gravity and box")
       ->option_text("SCENE [a shovel on the Moon]");
-  command.add_option("--set", overrides, "Another value of one of the scene's keys")->option_text("TABLE.KEY=VALUE");
+  command.add_option("--set", overrides, kSetHelp)->option_text("TABLE.KEY=VALUE");
 }
 
 Dig digFor(const MovementOptions& options) {
@@ -95,13 +96,13 @@ Dig digFor(const MovementOptions& options) {
 void SoilsOptions::addTo(CLI::App& command, int usually) {
   soils = usually;
   movement.addTo(command);
-  command.add_option("--soils", soils, "How many")
+  command.add_option("--soils", soils, "Number of soils")
       ->option_text(fmt::format("N [{}]", usually))
       ->check(wholeNumberIn({1, 10000}));
-  command.add_option("--threads", threads, "Soils at the same time")
-      ->option_text("N [one for each processor]")
+  command.add_option("--threads", threads, "Number of soils simulated at the same time")
+      ->option_text("N [one per core]")
       ->check(wholeNumberIn({1, 256}));
-  command.add_flag("--resume", resume, "Go on where an interrupted command stopped, or add soils");
+  command.add_flag("--resume", resume, "Continue an interrupted command, or add soils");
   overwrite.addTo(command);
 }
 

@@ -14,6 +14,7 @@
 #include "commands.h"
 #include "lab/lab_options.h"
 #include "lab/specimens.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 
@@ -60,18 +61,16 @@ void runCollect(const CollectOptions& options) {
 void addCollect(CLI::App& lab) {
   auto options = std::make_shared<CollectOptions>();
   CLI::App* command =
-      lab.add_subcommand("collect", "Mean and scatter of a test whose specimens were measured one by one");
-  command
-      ->add_option("FILES", options->files, "what `haptolith lab TEST --seed N --json` printed, a file for each seed")
+      lab.add_subcommand("collect", "Combine specimens that were simulated one by one: mean and standard deviation");
+  command->add_option("FILES", options->files, "Output of `haptolith lab TEST --seed N --json`, one file per seed")
       ->required();
-  command->add_option("--out", options->out_file, "write each specimen's numbers, a row for each: FILE.csv");
+  command->add_option("--out", options->out_file, "Write the numbers of each specimen, one row each (.csv)");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "print one JSON object instead of a table");
+  addJson(*command, options->json);
   command->footer(
-      "Example:\n"
-      "  for i in 1 2 3; do haptolith lab shear --seed $i --json > shear-$i.json; done   or each on another machine\n"
-      "  haptolith lab collect shear-*.json\n"
-      "  haptolith lab shear --seeds 3                                                   the same on this one");
+      "Example:\n  for i in 1 2 3; do haptolith lab shear --seed $i --json > shear-$i.json; done\n  haptolith lab "
+      "collect shear-*.json   the files may come from several machines\n  haptolith lab shear --seeds 3        the "
+      "same result on one machine");
   command->callback([options] { runCollect(*options); });
 }
 

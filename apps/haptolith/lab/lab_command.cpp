@@ -22,6 +22,7 @@
 #include "commands.h"
 #include "lab/lab_options.h"
 #include "lab/specimens.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/progress.h"
@@ -110,7 +111,7 @@ void runTest(const LabTest& test, const TestCommand& command) {
   for (const auto& [option, file] :
        {std::pair("--figure", command.lab.figure_file), {"--trace", command.lab.trace_file}}) {
     if (!file.empty()) {
-      throw InvalidParameter(option, file, "left out with --seeds: it is of one specimen");
+      throw InvalidParameter(option, file, "left out with --seeds: it shows one specimen");
     }
   }
   runSpecimens(test, command);
@@ -122,7 +123,7 @@ void addTest(CLI::App& lab, const LabTest& test) {
   options->lab.addTo(*command);
   command
       ->add_option("--seeds", options->seeds,
-                   "how many specimens, each from another seed, --seed the first: tells their mean and scatter")
+                   "Number of specimens, each with its own seed from --seed on; report mean and standard deviation")
       ->check(wholeNumberIn(kSeeds))
       ->capture_default_str();
   for (const LabOption& option : test.options) {
@@ -230,43 +231,45 @@ void runCalibrateSoil(const CalibrateCommand& command) {
 
 void addCalibrate(CLI::App& lab) {
   auto command = std::make_shared<CalibrateCommand>();
-  CLI::App* app = lab.add_subcommand(
-      "calibrate", "Finds macroparticles whose sheared bed has the wanted friction angle, cohesion and density");
-  app->add_option("--friction-angle-deg", command->target.friction_angle_deg, "20 to 52")->required();
-  app->add_option("--cohesion-pa", command->target.cohesion_pa, "0 to 4500")->required();
-  app->add_option("--bulk-density-kg-m3", command->target.bulk_density_kg_m3, "mean of the upper 15 cm")->required();
+  CLI::App* app = lab.add_subcommand("calibrate", "Calibrate particles to a friction angle, cohesion and bulk density");
+  app->add_option("--friction-angle-deg", command->target.friction_angle_deg, "Friction angle in degrees, 20 to 52")
+      ->required();
+  app->add_option("--cohesion-pa", command->target.cohesion_pa, "Cohesion in Pa, 0 to 4500")->required();
+  app->add_option("--bulk-density-kg-m3", command->target.bulk_density_kg_m3,
+                  "Bulk density in kg/m³, mean of the upper 15 cm")
+      ->required();
   std::map<std::string, SoilStrength> words;
   for (const auto& word : kSoilStrengthWords) {
     words.emplace(word.name, word.value);
   }
   app->add_option("--strength", command->target.strength,
-                  "residual: what a moving shovel feels; peak: what undisturbed soil carries at most [residual]")
+                  "Strength to match: residual, after large strain; or peak, of undisturbed soil [residual]")
       ->transform(wordOf(words));
-  app->add_option("--radius-mm", command->radius_mm, "radius of a macroparticle, 0.5 to 20")->capture_default_str();
-  app->add_option("--stiffness-n-m", command->stiffness_n_m,
-                  "of the contacts [they give way by 2.8 % of the radius at 3 kPa, by 0.35 % with constant density]");
+  app->add_option("--radius-mm", command->radius_mm, "Radius of a particle in mm, 0.5 to 20")->capture_default_str();
+  app->add_option(
+      "--stiffness-n-m", command->stiffness_n_m,
+      "Contact stiffness [so that contacts deform by 2.8 % of the radius at 3 kPa; 0.35 % with constant density]");
   app->add_option("--density", command->density,
-                  "of soil that lies deeper: lunar, more; or constant, as in a laboratory's box [lunar]")
+                  "Density profile: lunar, increasing with depth, or constant, as in a laboratory box [lunar]")
       ->transform(wordOf(std::map<std::string, DensityProfile>{{"lunar", DensityProfile::kLunar},
                                                                {"constant", DensityProfile::kConstant}}));
-  app->add_option("--body", command->body, "where the soil has that density")->capture_default_str();
-  app->add_option("--out", command->out_file, "soil file to write, for --soil: FILE.toml");
+  app->add_option("--body", command->body, "Celestial body where the soil has that density")->capture_default_str();
+  app->add_option("--out", command->out_file, "Soil file to write, for --soil (.toml)");
   command->overwrite.addTo(*app);
-  app->add_option("--name", command->name, "the soil's name in that file [the file's name]");
-  app->add_option("--source", command->source, "where the target comes from, for that file");
-  app->add_option("--specimens", command->specimens, "to verify with, 2 or more, each from another seed")
+  app->add_option("--name", command->name, "Name of the soil in that file [the file's name]");
+  app->add_option("--source", command->source, "Source of the target values, for that file");
+  app->add_option("--specimens", command->specimens, "Number of specimens that verify the result, 2 or more")
       ->capture_default_str();
-  app->add_option("--seed", command->seed, "of the specimens; with another one all of them are others")
+  app->add_option("--seed", command->seed, "Seed of the first specimen")
       ->check(wholeNumberIn(BedRanges::seed))
       ->capture_default_str();
-  app->add_option("--threads", command->threads, "threads to use [all]")->check(wholeNumberIn(BedRanges::threads));
-  app->add_flag("--json", command->json, "print one JSON object instead of a table");
+  app->add_option("--threads", command->threads, fmt::format("{} [all]", kThreadsHelp))
+      ->check(wholeNumberIn(BedRanges::threads));
+  addJson(*app, command->json);
   app->footer(
-      "Example:\n"
-      "  haptolith lab calibrate --friction-angle-deg 42 --cohesion-pa 520 --bulk-density-kg-m3 1500 --out soil.toml\n"
-      "  haptolith run --soil soil.toml\n"
-      "How much depends on the specimens: the same with --seed 1 --json, --seed 2 --json and so on, and then\n"
-      "  haptolith lab collect calibrate-*.json");
+      "Example:\n  haptolith lab calibrate --friction-angle-deg 42 --cohesion-pa 520 \\\n    --bulk-density-kg-m3 1500 "
+      "--out soil.toml\n  haptolith run --soil soil.toml\nTo estimate the scatter between specimens, repeat with "
+      "--seed 1 --json, --seed 2 --json, then:\n  haptolith lab collect calibrate-*.json");
   app->callback([command] {
     if (command->name.empty()) {
       command->name = std::filesystem::path(command->out_file).stem().string();
@@ -280,7 +283,7 @@ void addCalibrate(CLI::App& lab) {
 void addLabCommand(CLI::App& app) {
   CLI::App* lab = app.add_subcommand("lab", kLabDescription);
   lab->require_subcommand(1);
-  lab->footer("Example:\n  haptolith lab shear --soil lunar-0-15cm\nEvery test explains itself with --help.");
+  lab->footer("Example:\n  haptolith lab shear --soil lunar-0-15cm\nRun a test with --help for its options.");
   for (const LabTest& test : labTests()) {
     addTest(*lab, test);
   }

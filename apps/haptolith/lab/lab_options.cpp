@@ -17,6 +17,7 @@
 #include "haptolith/scene_file/toml/toml_writer.h"
 #include "haptolith/soil/bodies.h"
 
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 
 namespace haptolith {
@@ -41,26 +42,24 @@ int threadsFor(int wanted) {
 }
 
 void LabOptions::addTo(CLI::App& command) {
-  command.add_option("--soil", soil, "a named soil (haptolith soil list), a soil file, or P1 to P6")
-      ->capture_default_str();
+  command.add_option("--soil", soil, kSoilHelp)->capture_default_str();
   std::map<std::string, FrictionModel> models;
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command.add_option("--friction", friction, "what friction acts against [as the soil's file says]")
-      ->transform(wordOf(models));
-  command.add_option("--body", body, "Ceres, Pluto, Europa, Moon, Mars or Earth")->capture_default_str();
-  command.add_option("--radius-mm", radius_mm, "radius of a macroparticle; the soil stays the same [the test's own]");
-  command.add_option("--stiffness-n-m", stiffness_n_m, "of the contacts at that radius [the soil's]");
-  command.add_option("--seed", seed, "of the specimen's particles")
+  command.add_option("--friction", friction, "Friction model [the soil's]")->transform(wordOf(models));
+  command.add_option("--body", body, kBodyHelp)->capture_default_str();
+  command.add_option("--radius-mm", radius_mm, "Radius of a particle in mm; the bulk soil stays the same [the test's]");
+  command.add_option("--stiffness-n-m", stiffness_n_m, "Contact stiffness at that radius [the soil's]");
+  command.add_option("--seed", seed, "Seed of the specimen")
       ->check(wholeNumberIn(BedRanges::seed))
       ->capture_default_str();
-  command.add_option("--threads", threads, "threads to use; the result is the same [all]")
+  command.add_option("--threads", threads, fmt::format("{} [all]", kThreadsHelp))
       ->check(wholeNumberIn(BedRanges::threads));
-  command.add_option("--figure", figure_file, "draw what was measured: FILE.svg or FILE.png");
-  command.add_option("--trace", trace_file, "write what was measured over time: FILE.csv");
+  command.add_option("--figure", figure_file, kFigureHelp);
+  command.add_option("--trace", trace_file, "Write the simulated values over time (.csv)");
   overwrite.addTo(command);
-  command.add_flag("--json", json, "print one JSON object instead of a table");
+  addJson(command, json);
 }
 
 std::string flagOf(const LabOption& option) {

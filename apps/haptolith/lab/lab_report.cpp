@@ -158,7 +158,7 @@ Report::Report(const ReportOptions& options)
     try {
       results_.push_back(saved ? std::optional(resultFrom(*saved)) : std::nullopt);
     } catch (const Json::exception&) {
-      throw Failure(fmt::format("{} is not what lab report has written: without it, --resume measures it again",
+      throw Failure(fmt::format("{} is not a result of lab report: remove it, and --resume repeats the test",
                                 folder_->resultFile(fileNameOf(piece)).string()));
     }
   }
@@ -312,19 +312,18 @@ ReportPage Report::page() const {
   const bool whole = done() == pieces_.size();
   page.title = fmt::format("Laboratory report: {}{}", soil_.name, whole ? "" : " (unfinished)");
   if (!whole) {
-    page.introduction.push_back(
-        fmt::format("Unfinished: {} of {} results are here. The same command with --resume goes on. Missing: {}.",
-                    done(), pieces_.size(), missingText()));
+    page.introduction.push_back(fmt::format(
+        "Unfinished: {} of {} results are available. Repeat the command with --resume to continue. Missing: {}.",
+        done(), pieces_.size(), missingText()));
   }
   page.introduction.emplace_back(
-      "Every test was done with the same soil and both models: with friction between the particles (contact), and with "
-      "the paper's friction, which acts against space. A test that says so was done without cohesion.");
-  page.introduction.emplace_back(
-      options_.seeds > 1
-          ? fmt::format("Values are means of {} seeds; ± is their standard deviation. A value passes when the mean "
-                        "does. Figures are those of seed {}.",
-                        options_.seeds, options_.lab.seed)
-          : "Values are those of one seed, so nothing is known of their spread.");
+      "Every test was run with the same soil and both friction models: friction between particles (contact), and the "
+      "friction of the ICRA 2021 paper, which acts against absolute space. Tests without cohesion are marked.");
+  page.introduction.emplace_back(options_.seeds > 1
+                                     ? fmt::format("Values are means of {} seeds; ± is the standard deviation. A value "
+                                                   "passes when its mean passes. Figures show seed {}.",
+                                                   options_.seeds, options_.lab.seed)
+                                     : "Values are of one seed; their standard deviation is unknown.");
   page.facts = {{"Soil", soil_.name},
                 {"Gravity", fmt::format("{}, {:g} m/s²", findBody(options_.lab.body).name, conditions_.gravity_m_s2)},
                 {options_.seeds > 1 ? "Seeds" : "Seed", seedsText(options_)},
@@ -380,29 +379,24 @@ std::vector<std::string> testNames() {
 
 void addReport(CLI::App& lab) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = lab.add_subcommand(
-      "report",
-      "All tests with both models of friction and several seeds, on one HTML page; takes long, can be resumed");
+  CLI::App* command =
+      lab.add_subcommand("report", "Run all tests with both friction models and several seeds; write one HTML page");
   options->lab.addTo(*command);
   for (const char* unused : {"--figure", "--trace", "--json", "--friction", "--radius-mm"}) {
     command->remove_option(command->get_option(unused));
   }
-  command->get_option("--seed")->description("the first of the seeds, of the specimens' particles");
-  command->add_option("--seeds", options->seeds, "how many specimens of each test, 1 to 100, each from another seed")
+  command->get_option("--seed")->description("First seed of the specimens");
+  command->add_option("--seeds", options->seeds, "Number of specimens of each test, 1 to 100, each with its own seed")
       ->check(wholeNumberIn(kReportSeeds))
       ->capture_default_str();
-  command->add_option("--only", options->only, "these tests only")->delimiter(',')->check(oneOf(testNames()));
-  command
-      ->add_option("--out", options->folder,
-                   "the folder: report.html, and a file for each result as soon as it is there")
+  command->add_option("--only", options->only, "Run only these tests")->delimiter(',')->check(oneOf(testNames()));
+  command->add_option("--out", options->folder, "Folder for report.html and for each result as soon as it is available")
       ->capture_default_str();
-  CLI::Option* resume = command->add_flag("--resume", options->resume, "go on with the report in that folder");
-  command->get_option("--overwrite")->description("begin anew in a folder that holds a report")->excludes(resume);
+  CLI::Option* resume = command->add_flag("--resume", options->resume, "Continue the report in that folder");
+  command->get_option("--overwrite")->description("Restart the report in that folder")->excludes(resume);
   command->footer(
-      "Examples:\n"
-      "  haptolith lab report --soil dry-sand --body Earth --out sand\n"
-      "  haptolith lab report --soil dry-sand --body Earth --out sand --resume   after Ctrl-C, or whatever ended it\n"
-      "  haptolith lab report --only shear,repose --seeds 5");
+      "Examples:\n  haptolith lab report --soil dry-sand --body Earth --out sand\n  haptolith lab report --soil "
+      "dry-sand --body Earth --out sand --resume   continue it\n  haptolith lab report --only shear,repose --seeds 5");
   command->callback([options] { runReport(*options); });
 }
 

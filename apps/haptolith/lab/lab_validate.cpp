@@ -26,6 +26,7 @@
 #include "commands.h"
 #include "lab/claims_file.h"
 #include "lab/lab_options.h"
+#include "shared/common_options.h"
 #include "shared/kept_work.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -226,7 +227,7 @@ Validation::Validation(const ValidateOptions& options) : options_(options), clai
     if (saved && saved->value("specification", Json()) == piece.specification) {
       piece.done = std::move(saved);
     } else if (saved) {
-      throw Failure(fmt::format("{} is not what lab validate has written: without it, --resume measures it again",
+      throw Failure(fmt::format("{} is not a result of lab validate: remove it, and --resume repeats the test",
                                 folder_->resultFile(piece.name).string()));
     }
   }
@@ -413,36 +414,32 @@ void runValidate(const ValidateOptions& options) {
 
 void addValidate(CLI::App& lab) {
   auto options = std::make_shared<ValidateOptions>();
-  CLI::App* command = lab.add_subcommand(
-      "validate",
-      "Claims about our soil beside what others measured and calculated, on one page; takes long, can be resumed");
+  CLI::App* command =
+      lab.add_subcommand("validate", "Compare simulated soil with published measurements and theory; write one page");
   command->add_option("--claims", options->claims_file,
-                      "a file of claims (docs/reference/claims-file.md) [all that ship]");
+                      "File of claims (docs/reference/claims-file.md) [all that are built in]");
   command->add_option("--soil", options->soil,
-                      "claims about any soil, of this one: a named one, a soil file, or P1 to P6 [each claim's own]");
-  command->add_option("--only", options->only, "these claims or groups of claims only")->delimiter(',');
-  command->add_option("--seeds", options->seeds, "how many specimens of each test, 1 to 100")
+                      "Soil for claims about any soil: a name, a soil file, or P1 to P6 [each claim's]");
+  command->add_option("--only", options->only, "Check only these claims or groups of claims")->delimiter(',');
+  command->add_option("--seeds", options->seeds, "Number of specimens of each test, 1 to 100")
       ->check(wholeNumberIn(kValidationSeeds))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "the first of the seeds, of the specimens' particles")
+  command->add_option("--seed", options->seed, "First seed of the specimens")
       ->check(wholeNumberIn(BedRanges::seed))
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "threads to use; the result is the same [all]")
+  command->add_option("--threads", options->threads, fmt::format("{} [all]", kThreadsHelp))
       ->check(wholeNumberIn(BedRanges::threads));
   command
       ->add_option("--out", options->folder,
-                   "the folder: validation.md, its figures, and a file for each result as soon as it is there")
+                   "Folder for validation.md, its figures and each result as soon as it is available")
       ->capture_default_str();
   CLI::Option* resume =
-      command->add_flag("--resume", options->resume, "go on in that folder; claims may have been added or changed");
+      command->add_flag("--resume", options->resume, "Continue in that folder; claims can be added or changed");
   options->overwrite.addTo(*command);
-  command->get_option("--overwrite")->description("begin anew in a folder that holds a validation")->excludes(resume);
+  command->get_option("--overwrite")->description("Restart the validation in that folder")->excludes(resume);
   command->footer(
-      "Examples:\n"
-      "  haptolith lab validate --out evidence\n"
-      "  haptolith lab validate --out evidence --resume    after Ctrl-C, or whatever ended it\n"
-      "  haptolith lab validate --only Blades --seeds 1\n"
-      "  haptolith lab validate --soil my-sand.toml");
+      "Examples:\n  haptolith lab validate --out evidence\n  haptolith lab validate --out evidence --resume    "
+      "continue it\n  haptolith lab validate --only Blades --seeds 1\n  haptolith lab validate --soil my-sand.toml");
   command->callback([options] { runValidate(*options); });
 }
 

@@ -292,17 +292,17 @@ Specimen readSpecimen(const std::string& path) {
   std::ifstream file = openInput(path, kMostBytes);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
-    refuse(path, "is empty: that test has not ended, or failed; its standard error says why");
+    refuse(path, "is empty: the test is still running, or it failed; see its standard error");
   }
   Specimen specimen{0, Json::parse(text, nullptr, false), path};
   if (specimen.json.is_discarded()) {
-    refuse(path, "is cut off, or holds something else than one result of `haptolith lab TEST --json`");
+    refuse(path, "is truncated, or is not one result of `haptolith lab TEST --json`");
   }
   if (specimen.json.is_object() && specimen.json.contains("seeds")) {
-    refuse(path, "is what several specimens have in common: name the files of each");
+    refuse(path, "is the result of several specimens: name the file of each specimen");
   }
   if (!isWhole(specimen.json)) {
-    refuse(path, "is not what `haptolith lab TEST --json` prints");
+    refuse(path, "is not a result of `haptolith lab TEST --json`");
   }
   specimen.seed = specimen.json.at("seed").get<std::uint64_t>();
   return specimen;
@@ -310,7 +310,7 @@ Specimen readSpecimen(const std::string& path) {
 
 Collection collected(std::vector<Specimen> specimens) {
   if (specimens.empty()) {
-    throw Failure("there is no specimen");
+    throw Failure("no specimen is given");
   }
   for (const Specimen& specimen :
        specimens) {  // compared with the first one in the order of the command line, which the message names first
@@ -318,7 +318,7 @@ Collection collected(std::vector<Specimen> specimens) {
   }
   std::ranges::stable_sort(specimens, {}, &Specimen::seed);
   if (const auto twice = std::ranges::adjacent_find(specimens, {}, &Specimen::seed); twice != specimens.end()) {
-    throw Failure(fmt::format("{} and {} are both of seed {}: a specimen counts once", twice->file,
+    throw Failure(fmt::format("{} and {} have the same seed {}: use each specimen once", twice->file,
                               std::next(twice)->file, twice->seed));
   }
   std::vector<Json> results;

@@ -22,6 +22,7 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
+#include "shared/common_options.h"
 #include "shared/histogram_json.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -123,7 +124,7 @@ struct BenchScene {
 
 BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusLine& status) {
   const std::string& what = made_of.what;
-  status.update(what + ": the bed settles");
+  status.update(what + ": the bed is settling");
   const std::int64_t start_ns = monotonicNs();
   Scene scene(made_of.bed, made_of.tool);
   const std::int64_t made_ns = monotonicNs() - start_ns;
@@ -263,7 +264,7 @@ void runBench(const BenchOptions& options) {
   requireInRange("seconds", options.seconds, {0.1, 3600});
   requireInRange("sleep-speed-m-s", options.sleep_speed_m_s.value_or(0), BedRanges::sleep_speed_m_s);
   requireInRange("sleep-distance-mm", options.sleep_distance_mm, {0, 1e3 * BedRanges::sleep_distance_m.highest});
-  status.update("how punctual is the machine?");
+  status.update("wake-up latency test");
   const Histogram late_us = timerLatenessUs();
   std::vector<BenchRow> rows;
   for (const BenchScene& scene : scenesOf(options)) {
@@ -292,8 +293,8 @@ void runBench(const BenchOptions& options) {
     table += rowText(row);
   }
   table +=
-      "\n  us: work of one tick, everything included. M p.st./s: million particles awake times substeps a second.\n"
-      "  lists us: the most that one tick spent on neighbour lists.\n";
+      "\n  us: computing time of one tick. M p.st./s: million awake particles times substeps per second.\n  lists us: "
+      "maximum time of the neighbour lists in one tick.\n";
   printText(table);
 }
 
@@ -305,37 +306,41 @@ void addBenchCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("bench", kBenchDescription);
   command
       ->add_option("--scene", options->scenes,
-                   "scenes, by name or file: their bed, tool and hand, instead of what follows but --threads")
+                   "Scenes to measure, by name or file; of the other options only --threads applies")
       ->delimiter(',');
-  command->add_option("--particles", options->particles, "about how many")->delimiter(',')->capture_default_str();
+  command->add_option("--particles", options->particles, "Approximate numbers of particles")
+      ->delimiter(',')
+      ->capture_default_str();
   std::map<std::string, FrictionModel> models;
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command->add_option("--friction", options->friction, "what friction acts against [paper,contact]")
+  command->add_option("--friction", options->friction, "Friction models [paper,contact]")
       ->delimiter(',')
       ->transform(wordOf(models));
-  command->add_option("--threads", options->threads, "numbers of threads")
+  command->add_option("--threads", options->threads, "Numbers of threads")
       ->delimiter(',')
       ->check(wholeNumberIn(BedRanges::threads))
       ->capture_default_str();
-  command->add_option("--soil", options->soil.soil, "a named soil, a soil file, or P1 to P6 [P3]");
-  command->add_option("--radius-mm", options->soil.radius_mm, "of the macroparticles [the soil's]");
+  command->add_option("--soil", options->soil.soil, fmt::format("{} [P3]", kSoilHelp));
+  command->add_option("--radius-mm", options->soil.radius_mm, "Radius of a particle in mm [the soil's]");
   const std::map<std::string, BedStart> starts{{"packed", BedStart::kPacked}, {"settled", BedStart::kSettled}};
-  command->add_option("--start", options->start, "how the soil lies at first [packed]")->transform(wordOf(starts));
+  command->add_option("--start", options->start, "Initial state of the soil [packed]")->transform(wordOf(starts));
   const std::map<std::string, Manoeuvre> hands{{"stir", Manoeuvre::kStir}, {"still", Manoeuvre::kStill}};
-  command->add_option("--hand", options->hand, "what the hand does [stir]")->transform(wordOf(hands));
+  command->add_option("--hand", options->hand, "Motion of the hand [stir]")->transform(wordOf(hands));
   command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
-                      "let soil sleep in which nothing moves faster [all stays awake]");
+                      "Particles slower than this can sleep, in m/s [none sleep]");
   command->add_option("--sleep-distance-mm", options->sleep_distance_mm,
-                      "nor has gone further from where it came to rest [as far as at that speed in 20 ms]");
-  command->add_option("--seconds", options->seconds, "of simulated time for each row")->capture_default_str();
-  command->add_option("--figure", options->figure_file, "draw ticks over particles: FILE.svg or FILE.png");
+                      "Largest travel of a sleeping particle, in mm [20 ms at that speed]");
+  command->add_option("--seconds", options->seconds, "Simulated time of each row in s")->capture_default_str();
+  command->add_option("--figure", options->figure_file,
+                      "Draw the time of a tick over particles to this file (.svg or .png)");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "print one JSON object instead of a table");
+  addJson(*command, options->json);
   command->footer(
-      "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n"
-      "  haptolith bench --particles 1000000 --start settled --friction contact --threads 2 --sleep-speed-m-s 0.001");
+      "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n  "
+      "haptolith bench --particles 1000000 --start settled --friction contact --threads 2 \\\n    --sleep-speed-m-s "
+      "0.001");
   command->callback([options] { runBench(*options); });
 }
 

@@ -10,6 +10,7 @@
 #include "haptolith/scene_file/scene_words.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 
 namespace haptolith {
@@ -19,9 +20,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kDevicesExamples = R"(Examples:
-  haptolith devices                             what is there, and why the rest is not
-  haptolith devices --device-library /opt/sdk   with Force Dimension's SDK in that folder
-  haptolith run --device force-dimension        hold the tool with it)";
+  haptolith devices                             list devices, and why some are not available
+  haptolith devices --device-library /opt/sdk   use Force Dimension's SDK in this folder
+  haptolith run --device force-dimension        run a scene with this device)";
 
 struct DevicesOptions {
   DeviceParameters parameters;
@@ -77,12 +78,13 @@ void listDevices(const DevicesOptions& options) {
 
 void addDevicesCommand(CLI::App& app) {
   auto options = std::make_shared<DevicesOptions>();
-  CLI::App* command = app.add_subcommand("devices", "List devices that can hold the tool, and why others cannot");
+  CLI::App* command =
+      app.add_subcommand("devices", "List the available haptic devices, and why others are not available");
   command->footer(kDevicesExamples);
   command
       ->add_option("--device-library,--library", options->parameters.library, "Folder or file of Force Dimension's SDK")
       ->option_text("PATH");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { listDevices(*options); });
 }
 

@@ -19,6 +19,7 @@
 #include "haptolith/scene_file/scene_file.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/histogram_json.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -30,11 +31,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kDoctorExamples = R"(Examples:
-  haptolith doctor                   about 12 seconds
-  haptolith doctor --seconds 600     as long as rare lateness needs to show itself
-  haptolith doctor --cpu 3           on the CPU that `haptolith run --cpu 3` would use
+  haptolith doctor                   takes about 12 seconds
+  haptolith doctor --seconds 600     find rare late wake-ups
+  haptolith doctor --cpu 3           measure the CPU that `haptolith run --cpu 3` uses
 
-Exit status: 0 the loop can run in real time, 1 something that it needs is lacking.)";
+Exit status: 0 the loop can run in real time, 1 a requirement is not met.)";
 
 struct DoctorOptions {
   double seconds = 10;
@@ -114,7 +115,7 @@ std::string wakeUpText(const WakeUps& measured, const Paint& paint) {
   const double in_time = 1 - static_cast<double>(measured.missed) / static_cast<double>(late_us.count());
   constexpr const char* kRow = "  {:<16} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}\n";
   const auto us = [](double value) { return fmt::format("{:.1f}", value); };
-  return fmt::format("\n  A thread that slept until the next ms, {:.1f} s long ({}, {}), woke this many us late:\n\n",
+  return fmt::format("\n  Wake-up latency in us of a thread that sleeps until the next ms, for {:.1f} s ({}, {}):\n\n",
                      measured.seconds, measured.real_time.scheduler,
                      measured.real_time.cpu == kAnyCpu ? "any CPU" : fmt::format("CPU {}", measured.real_time.cpu)) +
          paint.dim(fmt::format(kRow, "", "mean", "p50", "p99", "p99.9", "max", "missed", "in time")) +
@@ -124,13 +125,13 @@ std::string wakeUpText(const WakeUps& measured, const Paint& paint) {
          fmt::format(kRow, "the loop needs", "", "", "", fmt::format("< {:g}", kLatestWakeUp_us), "< 1000", "0",
                      "100 %") +
          paint.dim(
-             fmt::format("\n  Of the 1000 us of a tick, the first {:g} are for waking up and {:g} for the work.\n",
+             fmt::format("\n  Each tick of 1000 us has {:g} us for the wake-up and {:g} us for the computation.\n",
                          kLatestWakeUp_us, 1000 - kLatestWakeUp_us));
 }
 
 /// Returns the abilities of this machine in five lines.
 std::string summaryText(const std::vector<SummaryLine>& summary, const Paint& paint) {
-  std::string lines = paint.bold("What this machine can do") + "\n\n";
+  std::string lines = paint.bold("Summary of this machine") + "\n\n";
   for (const SummaryLine& line : summary) {
     lines += fmt::format("  {}  {}\n", paint.bold(fmt::format("{:<13}", line.name)), line.text);
   }
@@ -188,9 +189,8 @@ WakeUps measure(const DoctorOptions& options) {
   StatusLine status;
   return measureWakeUps({.cpu = options.cpu}, options.seconds, stopAsked(), [&](double elapsed_s, double latest_us) {
     if (status.visible()) {
-      status.update(
-          fmt::format("how punctual is this machine? {:.1f} of {:g} s, latest wake-up {:.0f} us (Ctrl-C ends it)",
-                      elapsed_s, options.seconds, latest_us));
+      status.update(fmt::format("wake-up latency test: {:.1f} of {:g} s, latest wake-up {:.0f} us (Ctrl-C ends it)",
+                                elapsed_s, options.seconds, latest_us));
     }
   });
 }
@@ -201,7 +201,7 @@ std::optional<FinestSoil> finestSoil(const DoctorOptions& options) {
     return std::nullopt;
   }
   StatusLine status;
-  status.update("how fine may soil be on this machine?");
+  status.update("searching the finest soil for this machine");
   SceneFile scene = findSceneFile(std::string(kAutoScene));
   scene.loop.cpu = options.cpu;
   try {
@@ -240,13 +240,12 @@ void doctor(const DoctorOptions& options) {
 
 void addDoctorCommand(CLI::App& app) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command =
-      app.add_subcommand("doctor", "Tell whether this machine can run the loop in real time, and what helps");
+  CLI::App* command = app.add_subcommand("doctor", "Check whether this machine can run the loop in real time");
   command->footer(kDoctorExamples);
-  command->add_option("--seconds", options->seconds, "How long to measure how punctual it is [10]")
+  command->add_option("--seconds", options->seconds, "Duration of the wake-up latency test [10]")
       ->option_text("SECONDS");
-  command->add_option("--cpu", options->cpu, "The CPU to measure on; default: any")->option_text("N");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command->add_option("--cpu", options->cpu, "CPU to measure on [any]")->option_text("N");
+  addJson(*command, options->json);
   command->callback([options] { doctor(*options); });
 }
 

@@ -35,18 +35,18 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExportExamples = R"(Examples:
-  haptolith export run.h5 --format csv              run.csv: a row for every tick, for spreadsheets, pandas and R
-  haptolith export run.h5 --format particles-csv    run-particles.csv: a row for every particle of every picture
-  haptolith export run.h5 --format robot-csv        run-robot.csv: a row for every report of a robot (teleop operator)
-  haptolith export run.h5 --format xdmf             run-xdmf/: particles, tool and box for ParaView, data in HDF5
-  haptolith export run.h5 --format vtk              run-vtk/: the same as files that need no HDF5
-  haptolith export run.h5 --format film             run.film: to be played in a browser, by the page of ./dev demo
-  haptolith export soil.lammpstrj --format vtk      soil-vtk/: the pictures that LAMMPS has dumped
-  haptolith export run.h5 --format lammps           run-lammps/: the bed and the tool's way, to run in LAMMPS
-  haptolith export field --format lammps            field-lammps/: the same of a scene's bed, without a tool
+  haptolith export run.h5 --format csv             run.csv: one row per tick
+  haptolith export run.h5 --format particles-csv   run-particles.csv: one row per particle and frame
+  haptolith export run.h5 --format robot-csv       run-robot.csv: one row per report of a robot
+  haptolith export run.h5 --format xdmf            run-xdmf/: particles, tool and box for ParaView
+  haptolith export run.h5 --format vtk             run-vtk/: the same without HDF5
+  haptolith export run.h5 --format film            run.film: animation for the browser demo
+  haptolith export soil.lammpstrj --format vtk     soil-vtk/: frames of a LAMMPS dump
+  haptolith export run.h5 --format lammps          run-lammps/: bed and tool motion for LAMMPS
+  haptolith export field --format lammps           field-lammps/: the bed of a scene, without a tool
 
-Particles come with id, radius, velocity and contact force. A recording does not hold velocities: the run is computed
-again for them, to the bit, which takes as long as it took then without waiting for the clock.)";
+Particles have id, radius, velocity and contact force. A recording does not contain velocities:
+the run is replayed to compute them, which takes as long as the unpaced run.)";
 
 constexpr std::uint64_t kBlock = 4096;  // number of rows read at a time
 
@@ -90,7 +90,7 @@ void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
 }
 
 std::string picturesText(const RecordedPictures& pictures) {
-  const std::string count = pluralise(pictures.count(), "picture") + " of the particles";
+  const std::string count = fmt::format("{} of the particles", pluralise(pictures.count(), "frame"));
   return pictures.replayed() == pictures.count() ? count + " with velocities"
          : pictures.replayed() == 0              ? count + " without velocities"
                                     : fmt::format("{}, {} of them with velocities", count, pictures.replayed());
@@ -99,7 +99,7 @@ std::string picturesText(const RecordedPictures& pictures) {
 /// Writes one row per report of a robot; numbers as above.
 void exportCsvOfRobot(const RecordingReader& recording, const ExportOptions& options) {
   if (recording.reports() == 0) {
-    throw Failure(fmt::format("{} holds no reports of a robot: haptolith teleop operator --record makes such a file",
+    throw Failure(fmt::format("{} contains no reports of a robot: record them with haptolith teleop operator --record",
                               options.file));
   }
   const fs::path out = outFor(options, "-robot.csv");
@@ -118,7 +118,8 @@ void exportCsvOfRobot(const RecordingReader& recording, const ExportOptions& opt
 
 void requirePictures(const RecordingReader& recording, const ExportOptions& options) {
   if (recording.frames() == 0) {
-    throw Failure(fmt::format("{} holds no pictures of the particles: --format csv exports its ticks", options.file));
+    throw Failure(
+        fmt::format("{} contains no frames of the particles: export its ticks with --format csv", options.file));
   }
 }
 
@@ -140,7 +141,7 @@ void exportPictures(const RecordingReader& recording, const ExportOptions& optio
   status.clear();
   printText(savedText(out, picturesText(pictures)));
   if (!pictures.whyNotReplayed().empty()) {
-    spdlog::warn("{} of {} pictures have no velocities: {}", pictures.count() - pictures.replayed(), pictures.count(),
+    spdlog::warn("{} of {} frames have no velocities: {}", pictures.count() - pictures.replayed(), pictures.count(),
                  pictures.whyNotReplayed());
   }
 }
@@ -201,10 +202,8 @@ void exportRecording(const ExportOptions& options) {
     exportFolder(recording, options, options.format == "xdmf" ? exportXdmf : exportVtk);
   }
   if (recording.missingTicks() > 0) {
-    spdlog::warn(
-        "{} lacks {} that the disk or the machine was too slow for; the numbers of those before and after tell "
-        "where",
-        options.file, pluralise(recording.missingTicks(), "tick"));
+    spdlog::warn("{} lacks {}, because the disk or the machine was too slow; the tick numbers show the gaps",
+                 options.file, pluralise(recording.missingTicks(), "tick"));
   }
 }
 
@@ -213,39 +212,34 @@ void exportRecording(const ExportOptions& options) {
 void addExportCommand(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand(
-      "export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK, LAMMPS or a browser");
+      "export", "Convert a recording or a scene for other programs: CSV, XDMF, VTK, LAMMPS, browser");
   command->footer(kExportExamples);
-  command->add_option("file", options->file, "A recording (.h5); for lammps a scene, for vtk a dump of LAMMPS, too")
+  command->add_option("file", options->file, "Recording (.h5); lammps also accepts a scene, vtk also a LAMMPS dump")
       ->required()
       ->option_text("FILE");
   command
-      ->add_option(
-          "--format", options->format,
-          "csv: ticks; particles-csv: particles; robot-csv: what a robot told that followed the tool; xdmf, vtk:\n"
-          "particles, tool and box, for ParaView; film: for a browser; lammps: bed and tool as an input script for "
-          "LAMMPS")
+      ->add_option("--format", options->format,
+                   "Format. csv: ticks; particles-csv: particles; robot-csv: reports of the robot that followed the "
+                   "tool; xdmf, vtk: particles, tool and box for ParaView; film: animation for a browser; lammps: bed "
+                   "and tool as an input script for LAMMPS")
       ->required()
       ->check(oneOf({"csv", "particles-csv", "robot-csv", "xdmf", "vtk", "film", "lammps"}))
       ->option_text("csv|particles-csv|robot-csv|xdmf|vtk|film|lammps");
   command
       ->add_option("--out", options->out,
-                   "Where to: a file, for xdmf, vtk and lammps a new folder [named after the recording]")
+                   "Output file; a new folder for xdmf, vtk and lammps [named after the recording]")
       ->option_text("PATH");
-  command->add_flag("--no-replay", options->no_replay,
-                    "Do not compute the run again: what is in the recording, at once, without velocities");
-  command
-      ->add_option("--set", options->overrides, "lammps: another value of one of the scene's keys; again for another")
+  command->add_flag("--no-replay", options->no_replay, "Do not replay the run; export without velocities");
+  command->add_option("--set", options->overrides, "For lammps: set a key of the scene; can be repeated")
       ->option_text("TABLE.KEY=VALUE");
-  command
-      ->add_option("--from-s", options->from_s,
-                   "lammps: the bed as it is then in the recording, and the tool from there on")
+  command->add_option("--from-s", options->from_s, "For lammps: start at this time of the recording")
       ->check(numberIn({0, 1e9}))
       ->option_text("SECONDS [0]");
-  command->add_option("--run-s", options->duration_s, "lammps: how long a scene's bed runs, without a tool")
+  command->add_option("--run-s", options->duration_s, "For lammps: duration of the run of a scene")
       ->check(numberIn({1e-3, 1e6}))
       ->option_text("SECONDS [1]");
   command->add_flag("--own-law", options->own_law,
-                    "lammps: contacts exactly as here, for a LAMMPS that was built with extras/lammps");
+                    "For lammps: use haptolith's contact law, for a LAMMPS built with extras/lammps");
   options->overwrite.addTo(*command);
   command->callback([options] { exportRecording(*options); });
 }

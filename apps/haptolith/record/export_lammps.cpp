@@ -58,9 +58,9 @@ void write(const LammpsExportOptions& options, const SceneFile& scene, const Bed
                                                             : fmt::format("{} grains", bed.particles())));
   if (!files.law.exact) {
     spdlog::warn(
-        "LAMMPS has no style for this soil's law of contacts: the nearest is written, and in.haptolith says what "
-        "differs; --own-law writes the law itself, for LAMMPS that has it built in; without cohesion, and with "
-        "soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS has",
+        "LAMMPS has no style for the contact law of this soil: in.haptolith uses the nearest style and lists the "
+        "differences; --own-law writes the exact law, for a LAMMPS built with extras/lammps; without cohesion, and "
+        "with soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS supports",
         (1 - 3e-4) * linearGamma(scene.bed.soil));  // below the limit by k also after rounding
   }
   printText(fmt::format(
@@ -72,7 +72,7 @@ void write(const LammpsExportOptions& options, const SceneFile& scene, const Bed
 
 void exportScene(const LammpsExportOptions& options) {
   if (options.from_s != 0) {
-    throw InvalidParameter("from-s", fmt::format("{:g}", options.from_s), "left out: a scene has no times");
+    throw InvalidParameter("from-s", fmt::format("{:g}", options.from_s), "left out: a scene has no recorded times");
   }
   const SceneFile scene = findSceneFile(options.file, options.overrides);
   validate(scene);
@@ -92,22 +92,22 @@ std::vector<TimedPose> pathOf(const RecordingReader& recording, double from_s) {
       }
       if ((tick.flags & (kTickSceneChanged | kTickSoilAdjusted)) != 0) {
         throw Failure(
-            fmt::format("somebody changed the scene {:.3f} s after the recording's beginning: what comes "
-                        "after that is of other soil or another tool",
+            fmt::format("a client changed the scene {:.3f} s after the start of the recording: later ticks have other "
+                        "soil or another tool",
                         tick.time_s));
       }
       path.push_back({tick.time_s, tick.scene_T_tool});
     }
   }
   if (path.size() < 2) {
-    throw InvalidParameter("from-s", fmt::format("{:g}", from_s), "before the recording's last two ticks");
+    throw InvalidParameter("from-s", fmt::format("{:g}", from_s), "before the last two ticks of the recording");
   }
   return path;
 }
 
 void exportRecorded(const LammpsExportOptions& options) {
   if (!options.overrides.empty()) {
-    throw InvalidParameter("set", options.overrides.front(), "left out: a recording has its scene");
+    throw InvalidParameter("set", options.overrides.front(), "left out: a recording contains its scene");
   }
   const RecordingReader recording(options.file);
   StatusLine status;
@@ -122,7 +122,7 @@ void exportRecorded(const LammpsExportOptions& options) {
     });
     throwIfStopped();
     if (result.difference || !is_there) {
-      throw Failure(fmt::format("the bed at {:g} s cannot be computed again: {}", options.from_s,
+      throw Failure(fmt::format("cannot replay the bed at {:g} s: {}", options.from_s,
                                 result.difference ? "the replay differs from the recording"
                                 : result.gap      ? "ticks are missing before it"
                                                   : result.ended_early));

@@ -86,10 +86,10 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
   folder.write("particles.pvd", pictures.text());
   folder.commit();
   status.clear();
-  printText(savedText(folder.path(), pluralise(count, "picture") + " of the particles"));
+  printText(savedText(folder.path(), fmt::format("{} of the particles", pluralise(count, "frame"))));
   for (const auto& [time, pictures_then] : pictures_at) {
     if (pictures_then > 1) {
-      spdlog::warn("{}: {} pictures of step or time {:g}: ParaView shows one of them", path.string(), pictures_then,
+      spdlog::warn("{}: {} frames have the step or time {:g}: ParaView shows one of them", path.string(), pictures_then,
                    time);
       break;
     }

@@ -31,10 +31,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kImportExamples = R"(Examples:
-  haptolith export field --format lammps                        field-lammps/: a bed for LAMMPS
-  cd field-lammps && mpirun -np 4 lmp -in in.haptolith          which writes soil.lammpstrj
-  haptolith import field-lammps/soil.lammpstrj --out dug.toml   the last picture as a scene: dug.toml and dug.csv
-  haptolith run dug.toml                                        to feel it)";
+  haptolith export field --format lammps                        write a bed for LAMMPS
+  cd field-lammps && mpirun -np 4 lmp -in in.haptolith          run it: writes soil.lammpstrj
+  haptolith import field-lammps/soil.lammpstrj --out dug.toml   make a scene of the last frame
+  haptolith run dug.toml                                        run it)";
 
 struct ImportOptions {
   std::string file, scene, out;
@@ -50,10 +50,10 @@ SceneFile sceneOf(const ImportOptions& options) {
   const fs::path beside = fs::path(options.file).parent_path() / "scene.toml";
   std::error_code ignored;
   if (!fs::exists(beside, ignored)) {
-    throw InvalidParameter("scene", "left out",
-                           fmt::format("a scene of such soil in such a box: there is no {}, which `haptolith export "
-                                       "--format lammps` writes",
-                                       beside.string()));
+    throw InvalidParameter(
+        "scene", "left out",
+        fmt::format("a scene with this soil and box: there is no {}, which `haptolith export --format lammps` writes",
+                    beside.string()));
   }
   return findSceneFile(beside.string());
 }
@@ -83,7 +83,7 @@ void importDump(const ImportOptions& options) {
   SceneFile scene = sceneOf(options);
   StatusLine status;
   const LammpsPicture picture = readLammpsDump(options.file, options.picture, [&](std::size_t passed) {
-    status.tell([&] { return pluralise(passed, "picture") + " read"; });
+    status.tell([&] { return pluralise(passed, "frame") + " read"; });
     return !stopAsked();
   });
   status.clear();
@@ -101,11 +101,11 @@ void importDump(const ImportOptions& options) {
   scene.title = fmt::format("Step {} of {}", picture.step, fs::path(options.file).filename().string());
   scene_file.write(sceneFileTextWithGrains(scene, table.filename().string()));
   scene_file.commit();
-  printText(savedText(
-      table, fmt::format("{} of picture {}, step {}", pluralise(taken, "grain"), picture.number, picture.step)));
+  printText(savedText(table,
+                      fmt::format("{} of frame {}, step {}", pluralise(taken, "grain"), picture.number, picture.step)));
   printText(savedText(out, "a scene of them"));
   if (!options.picture && picture.number > 1) {
-    printText(fmt::format("  the last of {} pictures; --picture N takes another\n", picture.number));
+    printText(fmt::format("  the last of {} frames; --picture N selects another\n", picture.number));
   }
   if (taken < picture.grains.size()) {
     printText(fmt::format("  {} others, of types other than {} (soil) and {} (held), are left out: a tool\n",
@@ -118,17 +118,17 @@ void importDump(const ImportOptions& options) {
 
 void addImportCommand(CLI::App& app) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = app.add_subcommand("import", "Make a scene of a bed that LAMMPS has written");
+  CLI::App* command = app.add_subcommand("import", "Make a scene from a LAMMPS dump");
   command->footer(kImportExamples);
-  command->add_option("dump", options->file, "A text file of LAMMPS' dump custom, with id, x, y, z and radius")
+  command->add_option("dump", options->file, "LAMMPS `dump custom` text file with id, x, y, z and radius")
       ->required()
       ->option_text("FILE");
-  command->add_option("--scene", options->scene, "Soil, box and tool [scene.toml beside the dump]")
+  command->add_option("--scene", options->scene, "Scene with soil, box and tool [scene.toml next to the dump]")
       ->option_text("SCENE");
-  command->add_option("--out", options->out, "The new scene; its grains go into a .csv beside it")
+  command->add_option("--out", options->out, "New scene file; particles are written to a .csv next to it")
       ->required()
       ->option_text("FILE.toml");
-  command->add_option("--picture", options->picture, "Which of the dump's pictures, 1 is the first [the last]")
+  command->add_option("--picture", options->picture, "Number of the frame in the dump, from 1 [the last]")
       ->check(numberIn({1, 1e9}))
       ->option_text("N");
   options->overwrite.addTo(*command);

@@ -13,6 +13,7 @@
 #include "haptolith/recording/replay.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/progress.h"
@@ -26,11 +27,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kReplayExamples = R"(Examples:
-  haptolith run --record run.h5 --duration-s 60     a recording
-  haptolith replay run.h5                           the same scene under the same hand
-  haptolith replay run.h5 --verify --threads 2      does every tick come out bit for bit?
+  haptolith run --record run.h5 --duration-s 60     make a recording
+  haptolith replay run.h5                           replay it
+  haptolith replay run.h5 --verify --threads 2      check that every tick is bit-identical
 
-Exit status: 1 when --verify finds a difference, or ticks are missing in the recording.)";
+Exit status: 1 when --verify finds a difference or ticks are missing in the recording.)";
 
 struct ReplayOptions {
   std::string file;
@@ -39,9 +40,9 @@ struct ReplayOptions {
 };
 
 std::string gapText(const ReplayGap& gap) {
-  return gap.ticks == 0 ? fmt::format("the ticks after {:.3f} s are not in the order of a run", gap.time_s)
-                        : fmt::format("{} after {:.3f} s: what follows cannot be replayed",
-                                      pluralise(gap.ticks, "tick"), gap.time_s);
+  return gap.ticks == 0 ? fmt::format("the ticks after {:.3f} s are not in order", gap.time_s)
+                        : fmt::format("{} after {:.3f} s: later ticks cannot be replayed", pluralise(gap.ticks, "tick"),
+                                      gap.time_s);
 }
 
 std::string summary(const ReplayOptions& options, const RecordingReader& recording, const Replay& replay,
@@ -88,8 +89,10 @@ void replay(const ReplayOptions& options) {
   const StopOnSignal stop_on_signal;
   const RecordingReader recording(options.file);
   if (options.verify && recording.header().instruction_set != simdTarget()) {
-    spdlog::warn("recorded with {}, replayed with {}: the last bits will differ; HAPTOLITH_SIMD={} chooses the former",
-                 recording.header().instruction_set, simdTarget(), recording.header().instruction_set);
+    spdlog::warn(
+        "recorded with {}, replayed with {}: results will not be bit-identical; set HAPTOLITH_SIMD={} to use the "
+        "former",
+        recording.header().instruction_set, simdTarget(), recording.header().instruction_set);
   }
   StatusLine status;
   Replay replay(recording, options.threads, settlingIn(status));
@@ -104,11 +107,10 @@ void replay(const ReplayOptions& options) {
     throw Failure("the replay differs from the recording");
   }
   if (options.verify && result.gap) {
-    throw Failure(
-        fmt::format("the recording is not whole, and cannot be verified; missing are {}", gapText(*result.gap)));
+    throw Failure(fmt::format("cannot verify the recording: it is incomplete; missing are {}", gapText(*result.gap)));
   }
   if (options.verify && result.ticks == 0) {
-    throw Failure("nothing could be compared");
+    throw Failure("no tick could be compared");
   }
   throwIfStopped();
 }
@@ -117,14 +119,14 @@ void replay(const ReplayOptions& options) {
 
 void addReplayCommand(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand("replay", "Run a recording again, and compare it tick by tick");
+  CLI::App* command = app.add_subcommand("replay", "Replay a recording and compare it tick by tick");
   command->footer(kReplayExamples);
-  command->add_option("file", options->file, "A recording of a whole run (.h5)")->required()->option_text("FILE.h5");
-  command->add_flag("--verify", options->verify, "Fail unless every hash and force is the same to the last bit");
-  command->add_option("--threads", options->threads, "Threads that share a tick; default: as recorded")
+  command->add_option("file", options->file, "Recording of a complete run (.h5)")->required()->option_text("FILE.h5");
+  command->add_flag("--verify", options->verify, "Fail unless every hash and force is bit-identical");
+  command->add_option("--threads", options->threads, "Number of threads [as recorded]")
       ->check(wholeNumberIn(BedRanges::threads))
       ->option_text("N");
-  command->add_flag("--json", options->json, "Print the summary as one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { replay(*options); });
 }
 

@@ -27,13 +27,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kRos2Examples = R"(Examples:
-  haptolith ros2                              soil of the Moon; /haptolith/target_pose moves the tool
-  haptolith ros2 dig --hand scoop             the virtual hand digs, and ROS 2 listens
-  haptolith ros2 --device force-dimension     a person digs
+  haptolith ros2                              lunar soil; /haptolith/target_pose moves the tool
+  haptolith ros2 dig --hand scoop             the virtual hand digs, ROS 2 subscribes
+  haptolith ros2 --device force-dimension     a user digs with a haptic device
   ros2 topic echo /haptolith/wrench --qos-reliability best_effort      in a shell with ROS 2
-  haptolith teleop ros2                       a robot with ROS 2 at the far end of `haptolith teleop operator`
+  haptolith teleop ros2                       connect a ROS 2 robot to `haptolith teleop operator`
 
-Topics, frames and QoS: docs/how-to/ros2.md. ROS 2 itself is not needed.)";
+Topics, frames and QoS: docs/how-to/ros2.md. A ROS 2 installation is not required.)";
 
 constexpr double kBeside_m = 0.15, kAboveSoil_m = 0.35;  // max. distance of targets from the box
 
@@ -75,7 +75,7 @@ class Ros2Companion final : public RunCompanion {
     if (news.snapshot && !surface_m_) {
       const BedParameters& bed = session.shown().bed;
       surface_m_ = meanSurfaceHeight({bed.soil.radius_m, session.snapshot().position, {}}, bed);
-      printNotice(fmt::format("the soil's surface lies at z = {:.4f} m\n", *surface_m_));
+      printNotice(fmt::format("the soil's surface is at z = {:.4f} m\n", *surface_m_));
     }
     if (!news.snapshot || options_.surface_hz == 0 || monotonicNs() < next_surface_ns_) {
       return;
@@ -91,10 +91,10 @@ class Ros2Companion final : public RunCompanion {
 
   [[nodiscard]] std::string summary() const override {
     const SceneMessageCounts counts = publisher_->counts();
-    return fmt::format("  ROS 2      {} ticks told, {} not; {} pictures of the soil{}\n", counts.ticks, counts.not_told,
-                       counts.surfaces,
-                       takes_target_ ? fmt::format("; {} targets taken, {} of others, {} without sense", counts.targets,
-                                                   counts.strangers, counts.nonsense)
+    return fmt::format("  ROS 2      {} ticks published, {} skipped; {} frames of the soil{}\n", counts.ticks,
+                       counts.not_told, counts.surfaces,
+                       takes_target_ ? fmt::format("; {} targets accepted, {} from other nodes, {} invalid",
+                                                   counts.targets, counts.strangers, counts.nonsense)
                                      : "");
   }
 
@@ -131,10 +131,10 @@ void addRos2Command(CLI::App& app) {
   options->ros2.addTo(*command);
   command
       ->add_option("--target-timeout-s", options->timeout_s,
-                   fmt::format("Lets the tool go after so long without a target [{:g}]", options->timeout_s))
+                   fmt::format("Time without a target after which the tool is released [{:g}]", options->timeout_s))
       ->check(numberIn(TargetParameters::kFresh_s))
       ->option_text("SECONDS");
-  command->add_option("--surface-hz", options->surface_hz, "Pictures of the soil a second; 0: none [5]")
+  command->add_option("--surface-hz", options->surface_hz, "Frames of the soil surface per second; 0: none [5]")
       ->check(numberIn({0, 30}))
       ->option_text("HZ");
   addRunOptions(*command, [options](SceneFile& scene_file, const SceneOptions& asked) {

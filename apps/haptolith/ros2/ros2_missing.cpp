@@ -16,7 +16,7 @@ void addMissing(CLI::App& app, const char* name, const char* what) {
   command->allow_extras();
   command->callback([] {
     throw Failure(
-        "this program was built without DDS, which ROS 2 talks by: install cyclonedds-dev and cyclonedds-tools "
+        "ROS 2 is not available: this program was built without DDS; install cyclonedds-dev and cyclonedds-tools "
         "(apt-get install cyclonedds-dev cyclonedds-tools) and build it again (cmake --fresh --preset release)");
   });
 }
@@ -24,11 +24,11 @@ void addMissing(CLI::App& app, const char* name, const char* what) {
 }  // namespace
 
 void addRos2Command(CLI::App& app) {
-  addMissing(app, "ros2", "Run a scene as a node of ROS 2; not in this program, which was built without DDS");
+  addMissing(app, "ros2", "Run a scene as a ROS 2 node; not available: built without DDS");
 }
 
 void addTeleopRos2(CLI::App& teleop) {
-  addMissing(teleop, "ros2", "Be the end of a robot with ROS 2; not in this program, which was built without DDS");
+  addMissing(teleop, "ros2", "Connect a ROS 2 robot to an operator; not available: built without DDS");
 }
 
 }  // namespace haptolith

@@ -15,6 +15,7 @@
 #include "haptolith/teleop/robot/robot_server.h"
 
 #include "ros2/ros2_options.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -28,13 +29,16 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kTeleopRos2Examples = R"(Examples:
-  haptolith teleop ros2 --robot /arm --site 0.5,0,0.1,90     /arm/target_pose out; /arm/tool_pose and /arm/wrench in
-  haptolith teleop operator --to 127.0.0.1:7410              leads the robot, in another terminal
+  haptolith teleop ros2 --robot /arm --site 0.5,0,0.1,90
+                                              publish /arm/target_pose; subscribe to
+                                              /arm/tool_pose and /arm/wrench
+  haptolith teleop operator --to 127.0.0.1:7410
+                                              lead the robot, in another terminal
 
-  haptolith ros2 dig-site --node-name robot                  in place of a robot: soil of its own, by ROS 2
-  haptolith teleop ros2 --site 0,0,0.048,0                   the height of its surface, which it prints
+  haptolith ros2 dig-site --node-name robot   simulate the robot, with its own soil
+  haptolith teleop ros2 --site 0,0,0.048,0    connect it; it prints the height of its surface
 
-Frames, what keeps the robot safe and what does not: docs/how-to/ros2.md.)";
+Frames and the limits of robot safety: docs/how-to/ros2.md.)";
 
 struct GatewayOptions {
   Ros2Options ros2;
@@ -107,40 +111,41 @@ void runGateway(const GatewayOptions& options) {
 void addTeleopRos2(CLI::App& teleop) {
   auto options = std::make_shared<GatewayOptions>();
   options->ros2.node.name.node = "haptolith_gateway";
-  CLI::App* command =
-      teleop.add_subcommand("ros2", "Be the end of a robot with ROS 2: an operator leads it by its topics");
+  CLI::App* command = teleop.add_subcommand("ros2", "Connect a ROS 2 robot to `haptolith teleop operator`");
   command->footer(kTeleopRos2Examples);
   const auto text = [&](const char* name, std::string& value, const char* what) {
     command->add_option(name, value, what)->option_text("/TOPIC");
   };
-  text("--robot", options->robot_name, "What the robot's topics begin with [/robot]");
-  text("--target-topic", options->target, "PoseStamped that it follows [/robot/target_pose]");
-  text("--pose-topic", options->pose, "PoseStamped of its tool [/robot/tool_pose]");
-  text("--wrench-topic", options->wrench, "WrenchStamped of the soil on its tool [/robot/wrench]");
+  text("--robot", options->robot_name, "Prefix of the robot's topics [/robot]");
+  text("--target-topic", options->target, "Topic of the target pose, PoseStamped [/robot/target_pose]");
+  text("--pose-topic", options->pose, "Topic of the tool pose, PoseStamped [/robot/tool_pose]");
+  text("--wrench-topic", options->wrench, "Topic of the soil wrench on the tool, WrenchStamped [/robot/wrench]");
   command
       ->add_option("--site", options->site,
-                   "Where the middle of its soil's surface lies in the frame of its poses, and its turn about z")
+                   "Centre of the soil's surface in the frame of the poses, and rotation about z")
       ->delimiter(',')
       ->expected(4)
       ->option_text("X_M,Y_M,Z_M,YAW_DEG [0,0,0,0]");
   command->add_flag("--wrench-of-tool", options->arm.wrench_of_tool,
-                    "Its sensor tells what the tool does to the soil, not what the soil does to the tool");
-  command->add_option("--listen", options->listen, "Where commands come to")->option_text("HOST:PORT [127.0.0.1:7410]");
+                    "The sensor measures the wrench of the tool on the soil, not of the soil on the tool");
+  command->add_option("--listen", options->listen, "Address to listen on for commands")
+      ->option_text("HOST:PORT [127.0.0.1:7410]");
   options->end.addTo(*command);
   options->ros2.addTo(*command);
   const auto number = [&](const char* name, double& value, const Range& range, const char* unit, const char* what) {
     command->add_option(name, value, fmt::format("{} [{:g}]", what, value))->option_text(unit)->check(numberIn(range));
   };
   number("--target-period-s", options->arm.target_period_s, Ros2ArmParameters::kTargetPeriod_s, "SECONDS",
-         "Between two targets");
+         "Time between two targets");
   number("--robot-timeout-s", options->arm.fresh_s, Ros2ArmParameters::kFresh_s, "SECONDS",
-         "Stops after so long without the robot's pose or wrench");
-  number("--stop-force-n", options->robot.stop_force_n, RobotRanges::force_n, "N", "Stops when its sensor tells more");
-  number("--max-speed-m-s", options->robot.max_speed_m_s, RobotRanges::speed_m_s, "M/S", "Moves the target no faster");
+         "Time without the robot's pose or wrench after which it stops");
+  number("--stop-force-n", options->robot.stop_force_n, RobotRanges::force_n, "N",
+         "Measured force above which the robot stops");
+  number("--max-speed-m-s", options->robot.max_speed_m_s, RobotRanges::speed_m_s, "M/S", "Largest speed of the target");
   number("--silence-s", options->robot.silence_s, RobotRanges::time_s, "SECONDS",
-         "Lifts the tool after so long without a command");
-  number("--duration-s", options->duration_s, LinkRanges::time_s, "SECONDS", "How long; 0: until Ctrl-C");
-  command->add_flag("--json", options->json, "Print one JSON object at the end");
+         "Time without a command after which the tool is lifted");
+  number("--duration-s", options->duration_s, LinkRanges::time_s, "SECONDS", "Duration; 0: until Ctrl-C");
+  addJson(*command, options->json);
   command->callback([options] { runGateway(*options); });
 }
 

@@ -76,7 +76,7 @@ void FilmFile::save() {
 }
 
 void FilmFile::fail() const {
-  throw Failure(fmt::format("ffmpeg could not make {}:\n{}", path_, contentOf(words_)));
+  throw Failure(fmt::format("ffmpeg cannot make {}:\n{}", path_, contentOf(words_)));
 }
 
 }  // namespace haptolith

@@ -30,6 +30,7 @@
 #include "run/run_figure.h"
 #include "run/run_summary.h"
 #include "run/trace_file.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -45,20 +46,20 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kRunExamples = R"(Examples:
-  haptolith run                                     soil of the Moon, as fine as this machine holds, until Ctrl-C
-  haptolith run --coarser                           one step coarser, where other programs need the processor
-  haptolith run paper                               the paper's scene
+  haptolith run                                     lunar soil, until Ctrl-C
+  haptolith run --coarser                           one step coarser particles, to save CPU time
+  haptolith run paper                               scene of the ICRA 2021 paper
   haptolith run --hand stir --duration-s 10         ten seconds of stirring
-  haptolith run --soil surveyor-3 --body Mars       a soil by its name (haptolith soil list), on another world
-  haptolith run --preset P1 --json                  one of the paper's soils, in its scene
+  haptolith run --soil surveyor-3 --body Mars       named soil (haptolith soil list) on another body
+  haptolith run --preset P1 --json                  soil of the ICRA 2021 paper, in its scene
   haptolith run --hand press --trace press.csv --figure press.svg
-  haptolith run deep-bed                            another scene (haptolith scenes), or one from a file
-  haptolith run sandbox --finest                    another scene, as fine as this machine holds
-  haptolith run --poses movement.csv                a recorded hand
-  haptolith run --unpaced --duration-s 60 --json    as fast as it can, for experiments
-  haptolith run --hand still --port 9000            to dig in, at http://127.0.0.1:9000/
-  haptolith run --device force-dimension            feel it (haptolith devices, haptolith doctor)
-  haptolith run --duration-s 60 --record run.h5     for haptolith replay and haptolith export)";
+  haptolith run deep-bed                            another scene (haptolith scenes)
+  haptolith run sandbox --finest                    another scene, in the finest particles
+  haptolith run --poses movement.csv                recorded motion of the hand
+  haptolith run --unpaced --duration-s 60 --json    as fast as possible, for experiments
+  haptolith run --hand still --port 9000            dig at http://127.0.0.1:9000/
+  haptolith run --device force-dimension            use a haptic device (haptolith devices)
+  haptolith run --duration-s 60 --record run.h5     record for haptolith replay and export)";
 
 /// Options of the command line; everything else comes from the scene file.
 struct RunOptions {
@@ -101,13 +102,13 @@ std::optional<FinestGrain> fitted(SceneFile& scene_file, const RunOptions& optio
   }
   StatusLine status;
   const std::string before = sceneInWords(scene_file);
-  const FinestGrain found =
-      fitToMachine(scene_file,
-                   {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scene_file.bed.threads),
-                    .folder = tileFolder(),
-                    .measure_again = options.measure_again,
-                    .measuring = [&status] { status.update("measures how fine soil this machine renders in time"); }},
-                   stopAsked());
+  const FinestGrain found = fitToMachine(
+      scene_file,
+      {.threads = is_auto && !has_threads ? std::nullopt : std::optional(scene_file.bed.threads),
+       .folder = tileFolder(),
+       .measure_again = options.measure_again,
+       .measuring = [&status] { status.update("measuring the finest soil that this machine renders in real time"); }},
+      stopAsked());
   if (!is_auto) {
     retitle(scene_file, before);
   }
@@ -128,12 +129,12 @@ std::optional<FinestGrain> chooseParticles(SceneFile& scene_file, const RunOptio
 std::string particlesText(const Scene& scene, const std::optional<FinestGrain>& finest, int coarser) {
   const BedParameters& bed = scene.bed().parameters();
   if (coarser > 0) {
-    return fmt::format(
-        "{:g} mm particles on {}: {} coarser than {} ({} particles)\n", 1e3 * bed.soil.radius_m,
-        pluralise(bed.threads, "thread"), pluralise(coarser, "step"),
-        finest ? fmt::format("{:g} mm, the finest soil this machine renders in time", 1e3 * finest->chosen.radius_m)
-               : "asked for otherwise",
-        scene.bed().particles());
+    return fmt::format("{:g} mm particles on {}: {} coarser than {} ({} particles)\n", 1e3 * bed.soil.radius_m,
+                       pluralise(bed.threads, "thread"), pluralise(coarser, "step"),
+                       finest ? fmt::format("{:g} mm, the finest soil that this machine renders in real time",
+                                            1e3 * finest->chosen.radius_m)
+                              : "asked for otherwise",
+                       scene.bed().particles());
   }
   return finest ? text(*finest, scene.bed().particles()) + "\n" : "";
 }
@@ -145,8 +146,7 @@ void requireRecordingName(const std::filesystem::path& file) {
   }
   std::error_code ignored;
   if (std::filesystem::file_size(file, ignored) > 0 && !ignored && irreplaceable(file) != "a recording") {
-    throw Failure(
-        fmt::format("{} is not a recording: only a recording is replaced by one; choose another name", file.string()));
+    throw Failure(fmt::format("cannot replace {}: it is not a recording; choose another name", file.string()));
   }
 }
 
@@ -241,7 +241,7 @@ class Follower {
                                                          : "";
     return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
                        wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
-                       now.trip == SafetyTrip::kNone ? "force" : "LET GO", now.device_wrench.force_n.norm(),
+                       now.trip == SafetyTrip::kNone ? "force" : "SAFETY TRIP", now.device_wrench.force_n.norm(),
                        now.tick_us_p99, deadlines, now.awake);
   }
 
@@ -311,7 +311,7 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
     if (options.serve || options.web.port) {
       throw;
     }
-    spdlog::warn("no view in the browser: {}", failure.what());
+    spdlog::warn("cannot serve the browser view: {}", failure.what());
     return nullptr;
   }
 }
@@ -320,7 +320,7 @@ std::unique_ptr<LiveView> viewOf(Session& session, Follower& follower, const Run
 SettleProgress settlingOn(WaitingPage* page, SettledFraction& settled, StatusLine& status) {
   return [shown = settlingIn(status), page, &settled](double time_s, double speed_m_s) {
     if (page != nullptr) {
-      page->say(fmt::format("soil settles, {:.0f} % done", 100 * settled.update(speed_m_s)));
+      page->say(fmt::format("soil is settling, {:.0f} % done", 100 * settled.update(speed_m_s)));
     }
     return shown(time_s, speed_m_s);
   };
@@ -413,10 +413,10 @@ void run(const RunOptions& options) {
   }
   throwWhenItFailed(session.shown(), session.loop(), summary.end);
   if (!follower.recording().problem().empty()) {
-    throw Failure(fmt::format("the recording is not whole: {}", follower.recording().problem()));
+    throw Failure(fmt::format("the recording is incomplete: {}", follower.recording().problem()));
   }
   if (summary.lost_records > 0 && follower.traces()) {
-    throw Failure(fmt::format("the trace is not whole: {} missing, because the program was held up for too long",
+    throw Failure(fmt::format("the trace is incomplete: {} missing, because the program was interrupted for too long",
                               pluralise(summary.lost_records, "tick is", "ticks are")));
   }
 }
@@ -428,34 +428,35 @@ namespace {
 /// Adds all options of a run.
 void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
   options->scene.addTo(*command);
-  command->add_option("--duration-s", options->duration_s, "Simulated time; default: until Ctrl-C")
+  command->add_option("--duration-s", options->duration_s, "Simulated time [until Ctrl-C]")
       ->check(numberIn(LoopRanges::duration_s))
       ->option_text("SECONDS");
-  command->add_flag("--unpaced", options->unpaced, "As fast as it can instead of in step with the clock");
-  command->add_flag("--finest", options->finest,
-                    "Settled soil in the finest particles that this machine renders in time; `auto` does so anyway");
+  command->add_flag("--unpaced", options->unpaced, "Run as fast as possible instead of in real time");
+  command->add_flag(
+      "--finest", options->finest,
+      "Use the finest particles of settled soil that this machine renders in real time; always on in scene auto");
   command->add_flag("--coarser", options->coarser,
-                    "One step coarser particles, 5 to 10 % larger; again for another step");
+                    "Use particles that are one step coarser, 5 to 10 % larger; can be repeated");
   command->add_flag("--measure-again", options->measure_again,
-                    "Measure this machine for a second, whatever was found before");
-  command->add_option("--cpu", options->cpu, "The only CPU that the loop's thread runs on; default: any")
-      ->option_text("N");
+                    "Measure the speed of this machine again, for one second");
+  command->add_option("--cpu", options->cpu, "CPU for the thread of the loop [any]")->option_text("N");
   command->add_option("--trace", options->trace_file, "Write every tick to this CSV file")->option_text("FILE");
-  command->add_option("--figure", options->figure_file, "Draw the run (.svg or .png)")->option_text("FILE");
+  command->add_option("--figure", options->figure_file, "Draw the run to this file (.svg or .png)")
+      ->option_text("FILE");
   command
       ->add_option("--record", options->record_file,
                    "Record every tick to this HDF5 file (docs/how-to/record-and-replay.md)")
       ->option_text("FILE.h5");
-  command->add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in it [10]")
+  command->add_option("--record-frames", options->frames_per_s, "Recorded frames of all particles per second [10]")
       ->check(numberIn({0, 60}))
       ->option_text("N");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "Print the summary as one JSON object");
+  addJson(*command, options->json);
   CLI::Option* serve = command->add_flag_callback(
-      "--serve", [options] { options->serve = true; }, "Show it in the browser; default: unless --unpaced or --json");
+      "--serve", [options] { options->serve = true; }, "Show the scene in the browser [unless --unpaced or --json]");
   command
       ->add_flag_callback(
-          "--no-serve", [options] { options->serve = false; }, "Do not show it in the browser")
+          "--no-serve", [options] { options->serve = false; }, "Do not show the scene in the browser")
       ->excludes(serve);
   options->web.addToRun(*command);
   command->callback([options] { run(*options); });
@@ -466,7 +467,7 @@ void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
 void addRunCommand(CLI::App& app) {
   auto options = std::make_shared<RunOptions>();
   options->scene.usual = kAutoScene;
-  CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz under a hand, until Ctrl-C or --duration-s");
+  CLI::App* command = app.add_subcommand("run", "Run a scene at 1 kHz until Ctrl-C or --duration-s");
   command->footer(kRunExamples);
   addOptions(command, options);
 }
@@ -477,8 +478,7 @@ void addRunOptions(CLI::App& command, CompanionFactory companion, const std::str
   options->scene.name_or_file = scene;
   addOptions(&command, options);
   if (!scene.empty()) {
-    command.get_option("scenario")
-        ->description(fmt::format("Scene by its name (haptolith scenes) or from a file; default: {}", scene));
+    command.get_option("scenario")->description(fmt::format("Scene: a name (haptolith scenes) or a file [{}]", scene));
   }
 }
 

@@ -56,15 +56,15 @@ std::string grainsText(const Bed& bed) {
   const std::vector<Bed::GrainRun> runs = bed.grainRuns();
   for (const auto& [grain_class, count] : runs) {
     const std::string size =
-        fmt::format("of {:g} mm", 1e3 * GrainClasses::scale(grain_class) * bed.parameters().soil.radius_m);
+        fmt::format("of R = {:g} mm", 1e3 * GrainClasses::scale(grain_class) * bed.parameters().soil.radius_m);
     sizes.push_back(runs.size() == 1 ? size : fmt::format("{} {}", count, size));
   }
   if (runs.size() > 1 && bed.heldParticles() > 0) {
     sizes.back() += " behind the sides";
   }
   const std::string all = fmt::format("{}", fmt::join(sizes, ", "));
-  return runs.size() == 1 ? fmt::format("{} macroparticles {}", bed.particles(), all)
-                          : fmt::format("{} macroparticles ({})", bed.particles(), all);
+  return runs.size() == 1 ? fmt::format("{} particles {}", bed.particles(), all)
+                          : fmt::format("{} particles ({})", bed.particles(), all);
 }
 
 }  // namespace
@@ -115,18 +115,11 @@ std::string summaryText(const SceneFile& scene_file, const Scene& scene, const H
   const LoopStatistics& s = loop.statistics();
   const Histogram& t = s.tickUs();
   return fmt::format(
-      "{title}\n"
-      "  soil       {grains}, {soil}, g = {g:g} m/s2, {substeps} a tick; in the "
-      "end {awake} awake\n"
-      "  time       {time:.3f} s in {ticks} ticks: {end}\n"
-      "  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 {p999:.1f}  max {max:.1f} us ({simd}, "
-      "{threads})\n"
-      "{wakeup}"
-      "  deadlines  {deadlines}; {scheduler}{cpu}, memory {locked}\n"
-      "  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n"
-      "  torque     mean {mmean:.4f}  p99 {mp99:.4f}  max {mmax:.4f} N m\n"
-      "{packets}"
-      "  state      {hash:016x}\n",
+      "{title}\n  soil       {grains}, {soil}, g = {g:g} m/s2, {substeps} per tick; {awake} awake at the end\n  time   "
+      "    {time:.3f} s in {ticks} ticks: {end}\n  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 "
+      "{p999:.1f}  max {max:.1f} us ({simd}, {threads})\n{wakeup}  deadlines  {deadlines}; {scheduler}{cpu}, memory "
+      "{locked}\n  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n  torque     mean {mmean:.4f}  p99 "
+      "{mp99:.4f}  max {mmax:.4f} N m\n{packets}  state      {hash:016x}\n",
       fmt::arg("title", scene_file.title), fmt::arg("grains", grainsText(scene.bed())),
       fmt::arg("awake", scene.bed().awake()), fmt::arg("soil", soilText(scene_file)),
       fmt::arg("g", scene_file.bed.gravity_m_s2.norm()), fmt::arg("substeps", pluralise(scene.substeps(), "substep")),
@@ -134,7 +127,7 @@ std::string summaryText(const SceneFile& scene_file, const Scene& scene, const H
       fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
       fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
       fmt::arg("threads", pluralise(scene_file.bed.threads, "thread")),
-      fmt::arg("deadlines", scene_file.loop.paced ? deadlinesText(s) : "none: as fast as it can"),
+      fmt::arg("deadlines", scene_file.loop.paced ? deadlinesText(s) : "none: not in real time"),
       fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
       fmt::arg("wakeup", wakeUpText(s.lateUs())),

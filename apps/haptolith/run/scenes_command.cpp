@@ -19,6 +19,7 @@
 #include "haptolith/scene_file/scene_file.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
 
@@ -66,7 +67,7 @@ void makeTiles(const std::filesystem::path& folder) {
 
 void listScenes(bool as_json) {
   Json rows = Json::array();
-  std::string text = "Scenes with a name: haptolith run NAME\n";
+  std::string text = "Built-in scenes: haptolith run NAME\n";
   for (const BuiltInScene& scene : builtInScenes()) {
     const std::vector<std::string_view> purpose = purposeOf(scene.text);
     rows.push_back({{"name", scene.name},
@@ -85,8 +86,8 @@ void listScenes(bool as_json) {
 void addScenesCommand(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   auto tiles = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("scenes", "The scenes with a name, for run and snapshot");
-  command->add_flag("--json", *json, "Print one JSON object instead of a table");
+  CLI::App* command = app.add_subcommand("scenes", "List the built-in scenes");
+  addJson(*command, *json);
   command->add_option("--make-tiles", *tiles, "Settle the soil that ships with the program, into this folder")
       ->group("");  // for ./dev tiles
   command->footer("Examples:\n  haptolith scenes\n  haptolith run sandbox");

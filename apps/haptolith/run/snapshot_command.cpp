@@ -34,14 +34,14 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kSnapshotExamples = R"(Examples:
-  haptolith snapshot --hand scoop --out view.png            soil of the Moon after two seconds
+  haptolith snapshot --hand scoop --out view.png            lunar soil after two seconds
   haptolith snapshot --at-s 3.5 --theme light --no-panels --out bed.png
   haptolith snapshot --body Mars --colour force --view front --out mars.png
   haptolith snapshot scenes/sandbox.toml --out sandbox.png
   haptolith snapshot --film --duration-s 8 --hand scoop --out scoop.mp4
 
-Chromium draws it, without a window: apt install chromium. Films need ffmpeg, too. HAPTOLITH_CHROMIUM=PATH takes another
-Chromium than the one in PATH.)";
+Requires Chromium (apt install chromium), which runs without a window; films also require ffmpeg.
+HAPTOLITH_CHROMIUM=PATH selects another Chromium than the one in PATH.)";
 
 /// Simulated time between updates of the page, in s: two frames of an animation, sufficient for its plots.
 constexpr double kStep_s = 0.032;
@@ -80,8 +80,7 @@ SceneFile sceneFileFor(const SnapshotOptions& options) {
   if (scene_file.device.kind != DeviceKind::kVirtualHand) {  // its speed would not be that of simulated time
     throw InvalidParameter(
         "device", fmt::format("'{}'", wordFor(kDeviceWords, scene_file.device.kind)),
-        "the virtual hand, which is all that a snapshot uses: add --device virtual-hand, or say with "
-        "--hand what it does");
+        "virtual-hand, the only device of a snapshot: add --device virtual-hand, or choose a motion with --hand");
   }
   scene_file.loop.paced = false;
   scene_file.loop.duration_s = 0;
@@ -145,8 +144,8 @@ class Studio {
     const auto ticks = static_cast<double>(scene.ticks);
     if (static_cast<double>(scene.misses_too_long) > kMaxLate * ticks) {
       throw Failure(
-          fmt::format("no picture: {} of {} ticks took longer than {} ms, {} % may; choose coarser soil "
-                      "(--set soil.radius_mm=...) or omit --require-in-time",
+          fmt::format("no picture: {} of {} ticks took longer than {} ms, {} % are allowed; use coarser soil (--set "
+                      "soil.radius_mm=...) or omit --require-in-time",
                       scene.misses_too_long, scene.ticks, 1e3 * session_.sceneFile().bed.tick_s, 100 * kMaxLate));
     }
   }
@@ -196,10 +195,10 @@ class Studio {
           "document.querySelector('.no-picture')?.innerText ??"
           "(document.readyState === 'complete' && !window.haptolith ? document.body.innerText.trim() : null)");
       if (failed.is_string()) {
-        throw Failure(fmt::format("the page shows no picture; it says: {}", failed.get<std::string>()));
+        throw Failure(fmt::format("the page shows no picture: {}", failed.get<std::string>()));
       }
       if (std::chrono::steady_clock::now() > until) {
-        throw Failure("the page has drawn nothing for five minutes");
+        throw Failure("the page drew nothing for five minutes");
       }
       throwIfStopped();
       std::this_thread::sleep_for(20ms);
@@ -212,9 +211,8 @@ class Studio {
   void throwWhenConnectionLost() {
     if (client_.is_null() || browser_.evaluate(kConnectedClient) != client_) {
       throw Failure(
-          "no picture: the page lost its connection to the program while it was drawing; try again while the machine "
-          "is "
-          "less busy, or draw fewer pixels (--width, --height)");
+          "no picture: the page lost its connection to the program; try again on a less busy machine, or with fewer "
+          "pixels (--width, --height)");
     }
   }
 
@@ -304,15 +302,14 @@ std::vector<std::string> colourNames() {
 
 void addSnapshotCommand(CLI::App& app) {
   auto options = std::make_shared<SnapshotOptions>();
-  CLI::App* command =
-      app.add_subcommand("snapshot", "Draw a scene as the page in the browser shows it: a picture or a film");
+  CLI::App* command = app.add_subcommand("snapshot", "Save a picture or film of a scene as the browser view shows it");
   command->footer(kSnapshotExamples);
   options->scene.addTo(*command);
-  command->add_option("--out", options->out_file, "Where to: .png, or with --film .mp4 or .webm")
+  command->add_option("--out", options->out_file, "Output file: .png, or with --film .mp4 or .webm")
       ->required()
       ->option_text("FILE");
   options->overwrite.addTo(*command);
-  command->add_option("--at-s", options->at_s, "Simulated time of the picture [2], or at which the film begins [0]")
+  command->add_option("--at-s", options->at_s, "Simulated time of the picture [2] or of the start of the film [0]")
       ->check(numberIn({0.0, 1e5}))
       ->option_text("SECONDS");
   command->add_option("--width", options->width_px, "Width in pixels [1280]")
@@ -321,32 +318,34 @@ void addSnapshotCommand(CLI::App& app) {
   command->add_option("--height", options->height_px, "Height in pixels [720]")
       ->check(wholeNumberIn({240, 4320}))
       ->option_text("PIXELS");
-  command->add_option("--view", options->view, "Where it is looked at from [three-quarter]")
+  command->add_option("--view", options->view, "Direction of view [three-quarter]")
       ->check(oneOf({"front", "side", "top", "three-quarter"}))
       ->option_text("front|side|top|three-quarter");
-  command->add_option("--drawing", options->drawing, "Soil as it looks, or as the balls that are computed [grains]")
+  command
+      ->add_option("--drawing", options->drawing,
+                   "Appearance of particles: as soil grains or as the simulated spheres [grains]")
       ->check(oneOf({"grains", "balls"}))
       ->option_text("grains|balls");
-  command->add_option("--colour", options->colour, "What grains are coloured by [plain]")
+  command->add_option("--colour", options->colour, "Quantity that colours the particles [plain]")
       ->check(oneOf(colourNames()))
       ->option_text("plain|force|speed|depth|sleep");
-  command->add_option("--theme", options->theme, "How the page looks [dark]")
+  command->add_option("--theme", options->theme, "Colours of the page [dark]")
       ->check(oneOf({"dark", "light"}))
       ->option_text("dark|light");
   CLI::Option* panels = command->add_flag_callback(
-      "--panels", [options] { options->panels = true; }, "With status, plots and controls around it: the default");
+      "--panels", [options] { options->panels = true; }, "Include status, plots and controls [on]");
   command
       ->add_flag_callback(
-          "--no-panels", [options] { options->panels = false; }, "Only the bed, and what the hand feels")
+          "--no-panels", [options] { options->panels = false; }, "Show only the bed and the forces")
       ->excludes(panels);
   command->add_flag("--require-in-time", options->require_in_time,
-                    "Save nothing when more than 0.1 % of ticks computed for longer than 1 ms");
-  CLI::Option* film = command->add_flag("--film", options->film, "A film instead of a picture");
-  command->add_option("--duration-s", options->duration_s, "Simulated time that the film shows [8]")
+                    "Save nothing if more than 0.1 % of ticks took longer than 1 ms");
+  CLI::Option* film = command->add_flag("--film", options->film, "Save a film instead of a picture");
+  command->add_option("--duration-s", options->duration_s, "Simulated duration of the film [8]")
       ->needs(film)
       ->check(numberIn({0.1, 3600.0}))
       ->option_text("SECONDS");
-  command->add_option("--fps", options->frames_per_s, "Pictures a second of the film [30]")
+  command->add_option("--fps", options->frames_per_s, "Frames per second of the film [30]")
       ->needs(film)
       ->check(numberIn({1.0, 120.0}))
       ->option_text("N");

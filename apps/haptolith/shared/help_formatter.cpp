@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace haptolith {
@@ -65,7 +66,114 @@ bool areOpposites(const CLI::Option& a, const CLI::Option& b) {
   return one == "no-" + other || other == "no-" + one;
 }
 
+/// Characters of UTF-8 text.
+std::size_t widthOf(std::string_view text) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
+}
+
+/// "  name   description", the description wrapped and indented by `indent` columns.
+std::string entry(const std::string& name, const std::string& description, std::size_t indent) {
+  std::string text = "  " + name;
+  std::size_t column = widthOf(text);
+  const auto break_line = [&] {
+    text += '\n' + std::string(indent, ' ');
+    column = indent;
+  };
+  if (column >= indent) {
+    break_line();
+  } else {
+    text += std::string(indent - column, ' ');
+    column = indent;
+  }
+  for (const std::string& word : CLI::detail::split(description, ' ')) {
+    const std::size_t width = widthOf(word);
+    if (column > indent && column + 1 + width > kHelpColumns) {
+      break_line();
+    }
+    text += (column > indent ? " " : "") + word;
+    column += width + (column > indent ? 1 : 0);
+  }
+  return text + '\n';
+}
+
+using Names = std::vector<const char*>;
+
+/// Groups of options; an option of a name is in the same group in every command.
+const std::vector<std::pair<const char*, Names>>& optionGroups() {
+  static const std::vector<std::pair<const char*, Names>> groups{
+      {"Soil and scene",
+       {"--set", "--preset", "--soil", "--friction", "--body", "--finest", "--coarser", "--measure-again", "--model",
+        "--site", "--set-site", "--radius-mm", "--stiffness-n-m"}},
+      {"Hand and device",
+       {"--hand", "--poses", "--device", "--device-id", "--device-library", "--device-address", "--device-key-file",
+        "--device-insecure"}},
+      {"Link",
+       {"--profile", "--round-trip-s", "--jitter-ms", "--loss", "--burst-loss", "--rate-kbit-s", "--outage",
+        "--delays-up", "--delays-down", "--to", "--listen", "--key-file", "--insecure", "--silence-s"}},
+      {"Robot",
+       {"--robot", "--target-topic", "--pose-topic", "--wrench-topic", "--wrench-of-tool", "--target-period-s",
+        "--robot-timeout-s", "--max-force-n", "--stop-force-n", "--max-speed-m-s", "--learn", "--no-learn", "--mend",
+        "--no-mend"}},
+      {"ROS 2", {"--node-name", "--ros-namespace", "--domain", "--localhost", "--target-timeout-s", "--surface-hz"}},
+      {"Run", {"--duration-s", "--unpaced", "--threads", "--cpu", "--seed", "--seeds", "--resume"}},
+      {"Picture",
+       {"--at-s", "--width", "--height", "--view", "--drawing", "--colour", "--theme", "--panels", "--no-panels",
+        "--film", "--fps", "--require-in-time"}},
+      {"Output",
+       {"--out", "--trace", "--figure", "--weber-figure", "--csv", "--x-label", "--record", "--record-frames",
+        "--overwrite", "--json"}},
+      {"Browser view",
+       {"--serve", "--no-serve", "--port", "--bind", "--token", "--token-file", "--participant-token", "--read-only"}}};
+  return groups;
+}
+
+bool isShown(const CLI::Option* option) {
+  return !option->get_group().empty();
+}
+
 }  // namespace
+
+void groupOptions(CLI::App& app) {
+  constexpr std::size_t kFewOptions = 12;
+  for (CLI::App* command : app.get_subcommands({})) {
+    groupOptions(*command);
+  }
+  if (app.get_options(isShown).size() <= kFewOptions) {
+    return;
+  }
+  for (const auto& [group, names] : optionGroups()) {
+    std::vector<CLI::Option*> members;
+    for (const char* name : names) {
+      if (CLI::Option* option = app.get_option_no_throw(name); option != nullptr && isShown(option)) {
+        members.push_back(option);
+      }
+    }
+    if (members.size() > 1) {  // a single option stays among the others
+      for (CLI::Option* option : members) {
+        option->group(group);
+      }
+    }
+  }
+}
+
+std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
+  std::string help = CLI::Formatter::make_help(app, std::move(name), mode);
+  constexpr std::string_view kEmptyLines = "\n\n\n";  // between groups of options
+  for (std::size_t at = help.find(kEmptyLines); at != std::string::npos; at = help.find(kEmptyLines)) {
+    help.erase(at, 1);
+  }
+  return help;
+}
+
+std::string HelpFormatter::make_option(const CLI::Option* option, bool is_positional) const {
+  return entry(make_option_name(option, is_positional) + make_option_opts(option), make_option_desc(option),
+               get_column_width());
+}
+
+std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
+  return entry(command->get_display_name(true), command->get_description(), get_column_width());
+}
 
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   if (!option->get_option_text().empty()) {

@@ -32,7 +32,7 @@ void KeptWork::run(const std::vector<std::size_t>& missing, const std::filesyste
   progress_.emplace(status_, fractionDone());
   progress_->expect(missing_s, threads_);
   if (done_ > 0) {
-    post(fmt::format("{} of {} results are there already\n", done_, lengths_s_.size()));
+    post(fmt::format("{} of {} results are already available\n", done_, lengths_s_.size()));
   }
   const std::size_t at_once = std::clamp<std::size_t>(missing.size(), 1, static_cast<std::size_t>(threads_));
   threads_each_ = threads_ / static_cast<int>(at_once);
@@ -49,8 +49,9 @@ void KeptWork::run(const std::vector<std::size_t>& missing, const std::filesyste
     if (!stopAsked()) {
       throw;
     }
-    throw Failure(fmt::format("interrupted: {} of {} results are kept in {}; the same command with --resume goes on",
-                              done_, lengths_s_.size(), kept.string()));
+    throw Failure(
+        fmt::format("interrupted: {} of {} results are saved in {}; repeat the command with --resume to continue",
+                    done_, lengths_s_.size(), kept.string()));
   }
 }
 

@@ -65,7 +65,7 @@ std::string unknownWord(const CLI::App& reached, const std::string& word) {
   }
   const std::vector<std::string> commands = commandsOf(reached);
   if (commands.empty()) {
-    return fmt::format("'{}' is one argument too many", word);
+    return fmt::format("unexpected argument '{}'", word);
   }
   const std::string near = suggestion(word, commands);
   return fmt::format("unknown command '{}'{}", word, near.empty() ? ": must be " + listed(commands) : near);
@@ -99,10 +99,8 @@ CLI::Validator numberIn(const Range& range) {
 
 CLI::Validator outputName() {
   const auto check = [](const std::string& text) -> std::string {
-    return text != "-"
-               ? ""
-               : notValid("'-'",
-                          "a file name; nothing writes files to standard output, and ./- is a file of that name");
+    return text != "-" ? ""
+                       : notValid("'-'", "a file name; standard output is not supported, and ./- is a file named -");
   };
   return {check, ""};
 }

@@ -45,8 +45,8 @@ class Posted {
       return;
     }
     if (left_out_ > 0 && !is_line) {
-      text.insert(
-          0, fmt::format("({} messages were left out: the terminal did not take them)\n", std::exchange(left_out_, 0)));
+      text.insert(0,
+                  fmt::format("({} messages were dropped: the terminal was too slow)\n", std::exchange(left_out_, 0)));
     }
     bytes_ += text.size();
     waiting_.push_back({std::move(text), is_line});

@@ -38,7 +38,7 @@ void requireNames(const CLI::App& command) {
     const auto [before, is_new] = named.emplace(path.empty() ? std::filesystem::path(file) : path, name);
     if (!is_new) {
       throw CLI::ValidationError(
-          fmt::format("{} and {} name the same file, {}: give each its own", before->second, name, file));
+          fmt::format("{} and {} name the same file, {}: use two names", before->second, name, file));
     }
   }
 }
@@ -46,7 +46,7 @@ void requireNames(const CLI::App& command) {
 }  // namespace
 
 void Overwrite::addTo(CLI::App& command) {
-  command.add_flag("--overwrite", allowed, "Let files that are written replace files that are there");
+  command.add_flag("--overwrite", allowed, "Replace existing output files");
   command.parse_complete_callback([&command] { requireNames(command); });
 }
 

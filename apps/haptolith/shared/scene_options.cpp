@@ -13,6 +13,7 @@
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/tool/tool_mesh.h"
 
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/packet_key_file.h"
@@ -46,8 +47,7 @@ void tellOfMesh(const SceneFile& scene_file) {
                size_mm.y(), size_mm.z(), 1e3 * mesh.field.spacing());
   constexpr std::size_t kMostRecordedBytes = kLongestHeaderText / 10 * 7;  // the scene's text contains it in base64
   if (scene_file.mesh.bytes->size() > kMostRecordedBytes) {
-    spdlog::warn("{}: a file of more than {} kB: it cannot be recorded", scene_file.mesh.name,
-                 kMostRecordedBytes / 1000);
+    spdlog::warn("{}: a file of more than {} kB cannot be recorded", scene_file.mesh.name, kMostRecordedBytes / 1000);
   }
   for (const std::string& done : mesh.report) {
     spdlog::info("{}: {}", scene_file.mesh.name, done);
@@ -57,21 +57,20 @@ void tellOfMesh(const SceneFile& scene_file) {
 }  // namespace
 
 CLI::Option* DeviceOptions::addTo(CLI::App& command) {
-  CLI::Option* named =
-      command.add_option("--device", kind, "What the hand holds (haptolith devices); default: the virtual hand")
-          ->transform(wordOf(choicesOf(kDeviceWords)))
-          ->option_text("NAME");
-  command.add_option("--device-id", id, "Which one, where there are several")->option_text("ID");
+  CLI::Option* named = command.add_option("--device", kind, "Haptic device (haptolith devices) [virtual-hand]")
+                           ->transform(wordOf(choicesOf(kDeviceWords)))
+                           ->option_text("NAME");
+  command.add_option("--device-id", id, "Device to use when several are connected")->option_text("ID");
   command.add_option("--device-library", library, "Folder or file of the device's SDK")->option_text("PATH");
-  command.add_option("--device-address", address, "Where the device's service is, or where to listen")
+  command.add_option("--device-address", address, "Address of the device's service, or address to listen on")
       ->option_text("ADDRESS");
   command
-      .add_option("--device-key-file", key_file,
-                  "network: file with the key that packets are signed with, 64 hexadecimal digits; or in "
-                  "HAPTOLITH_DEVICE_KEY")
+      .add_option(
+          "--device-key-file", key_file,
+          "For device network: file with the key of the packets, 64 hexadecimal digits; or HAPTOLITH_DEVICE_KEY")
       ->option_text("FILE");
   command.add_flag("--device-insecure", insecure,
-                   "network: listen beyond this machine without a key, where all users of the network are trusted");
+                   "For device network: listen beyond this machine without a key; only on a trusted network");
   return named;
 }
 
@@ -93,34 +92,32 @@ std::string SceneOptions::scene() const {
 
 void SceneOptions::addTo(CLI::App& command) {
   command
-      .add_option("scenario", name_or_file,
-                  fmt::format("Scene by its name (haptolith scenes) or from a file (docs/reference/scenes.md) [{}, "
-                              "with --preset paper]",
-                              usual))
+      .add_option(
+          "scenario", name_or_file,
+          fmt::format("Scene: a name (haptolith scenes) or a file (docs/reference/scenes.md) [{}; with --preset paper]",
+                      usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,
-                  "A key of the scene file, whatever the file says: --set bed.depth_mm=60; again for another "
-                  "(docs/reference/scenes.md)")
+                  "Set a key of the scene, for example bed.depth_mm=60; can be repeated (docs/reference/scenes.md)")
       ->allow_extra_args(false)
       ->option_text("TABLE.KEY=VALUE");
-  CLI::Option* by_preset = command.add_option("--preset", preset, "Soil: P1 to P6, the paper's Table II");
+  CLI::Option* by_preset = command.add_option("--preset", preset, "Soil of the ICRA 2021 paper: P1 to P6");
   by_preset->option_text("NAME");
-  command.add_option("--soil", soil, "Soil by its name (haptolith soil list) or from a file (docs/reference/soils.md)")
+  command.add_option("--soil", soil, "Soil: a name (haptolith soil list) or a file (docs/reference/soils.md)")
       ->option_text("NAME|FILE")
       ->excludes(by_preset);
-  command.add_option("--friction", friction, "What friction acts against; default: as the soil has it")
+  command.add_option("--friction", friction, "Friction model [the soil's]")
       ->transform(wordOf(choicesOf(kFrictionWords)))
       ->option_text("paper|contact");
-  command.add_option("--body", body, "World: Ceres, Pluto, Europa, Moon, Mars or Earth")->option_text("NAME");
-  CLI::Option* hand = command.add_option("--hand", manoeuvre, "What the virtual hand does");
+  command.add_option("--body", body, kBodyHelp)->option_text("NAME");
+  CLI::Option* hand = command.add_option("--hand", manoeuvre, "Motion of the virtual hand");
   hand->transform(wordOf(handChoices()))->option_text("still|press|stir|scoop|carry|shake|cut|furrows");
-  command.add_option("--poses", poses_file, "CSV of poses the hand follows: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
+  command
+      .add_option("--poses", poses_file, "Motion of the virtual hand as a CSV of poses: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
       ->option_text("FILE")
       ->excludes(hand);
-  command.add_option("--threads", threads, "Threads that share a large bed; the result does not depend on it")
-      ->check(wholeNumberIn(BedRanges::threads))
-      ->option_text("N");
+  command.add_option("--threads", threads, kThreadsHelp)->check(wholeNumberIn(BedRanges::threads))->option_text("N");
   command.add_option("--seed", seed, "Seed of a bed that starts as rain or settled")
       ->check(wholeNumberIn(BedRanges::seed))
       ->option_text("N");
@@ -172,7 +169,7 @@ SceneFile sceneFileFor(const SceneOptions& options) {
 SettleProgress settlingIn(StatusLine& status) {
   return [&status](double time_s, double speed_m_s) {
     status.tell(
-        [&] { return fmt::format("the bed settles: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s); });
+        [&] { return fmt::format("the bed is settling: {:.1f} s, fastest particle {:.4f} m/s", time_s, speed_m_s); });
     return !stopAsked();
   };
 }

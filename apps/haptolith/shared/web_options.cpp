@@ -48,33 +48,33 @@ std::string checked(std::string token, std::string_view from) {
 }  // namespace
 
 void WebOptions::addTo(CLI::App& command) {
-  command.add_option("--port", port, "Port of the page, and no other; 0: any [8080, or the next that is free]")
+  command.add_option("--port", port, "Port of the page; 0: any [8080, or the next free port]")
       ->check(wholeNumberIn({0, 65535}))
       ->option_text("PORT");
-  command.add_option("--bind", bind, "Address to listen on [127.0.0.1]; any but this machine's own wants a token")
+  command.add_option("--bind", bind, "Address to listen on; other than this machine requires a token [127.0.0.1]")
       ->option_text("ADDRESS");
   CLI::Option* text =
       command
           .add_option("--token", token,
-                      "What a browser must know, at least 16 letters; other users of this machine can read it in the "
-                      "list of processes: rather --token-file or HAPTOLITH_TOKEN. Default where one is needed: made up")
+                      "Access token, 16 to 128 characters. Other users of this machine can read it in the list of "
+                      "processes; prefer --token-file or HAPTOLITH_TOKEN [generated when required]")
           ->option_text("TEXT");
-  command.add_option("--token-file", token_file, "A file whose first line is the token")
+  command.add_option("--token-file", token_file, "File whose first line is the access token")
       ->option_text("FILE")
       ->excludes(text);
 }
 
 void WebOptions::addToRun(CLI::App& command) {
   addTo(command);
-  command.add_flag("--read-only", read_only, "Visitors of the page may watch, but neither dig nor change anything");
+  command.add_flag("--read-only", read_only, "Show the scene only; browsers cannot dig or change it");
 }
 
 void WebOptions::addToStudy(CLI::App& command) {
   addTo(command);
   command
-      .add_option("--participant-token", participant_token,
-                  "The participant's (or HAPTOLITH_PARTICIPANT_TOKEN), where --token is the experimenter's; default: "
-                  "made up")
+      .add_option(
+          "--participant-token", participant_token,
+          "Access token of the participant, or HAPTOLITH_PARTICIPANT_TOKEN; --token is the experimenter's [generated]")
       ->option_text("TEXT");
 }
 

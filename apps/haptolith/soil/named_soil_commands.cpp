@@ -14,6 +14,7 @@
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/scene_file/soil_file.h"
 
+#include "shared/common_options.h"
 #include "shared/output.h"
 
 namespace haptolith {
@@ -70,7 +71,7 @@ std::string beginningOf(const std::string& text, std::size_t letters) {
 
 void printSoilsText() {
   constexpr std::size_t kSourceLetters = 44;  // for lines of 100 characters
-  fmt::print("Soils with a name, as they were measured; all of one: haptolith soil show NAME\n\n");
+  fmt::print("Built-in soils and their measured properties. Details: haptolith soil show NAME\n\n");
   fmt::print("                        density    angle   cohesion\n");
   fmt::print("                          kg/m³        °         Pa   source\n");
   for (const SoilFile& soil : namedSoils()) {
@@ -82,8 +83,8 @@ void printSoilsText() {
 
 void addList(CLI::App& soil) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* command = soil.add_subcommand("list", "The soils with a name, and what was measured of them");
-  command->add_flag("--json", *json, "print one JSON object instead of a table");
+  CLI::App* command = soil.add_subcommand("list", "List the built-in soils and their measured properties");
+  addJson(*command, *json);
   command->footer("Examples:\n  haptolith soil list\n  haptolith run --soil lunar-0-15cm");
   command->callback([json] { *json ? printSoilsJson() : printSoilsText(); });
 }
@@ -114,11 +115,11 @@ void addShow(CLI::App& soil) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = soil.add_subcommand("show", "All that is known of one soil, its source among it");
-  command->add_option("name", options->name, "a named soil (haptolith soil list) or a soil file")
+  CLI::App* command = soil.add_subcommand("show", "Show the properties and source of a soil");
+  command->add_option("name", options->name, "Soil: a name (haptolith soil list) or a soil file")
       ->required()
       ->option_text("NAME|FILE");
-  command->add_flag("--json", options->json, "print one JSON object instead of text");
+  addJson(*command, options->json);
   command->footer("Example:\n  haptolith soil show lunar-0-15cm");
   command->callback([options] {
     const SoilFile found = findSoil(options->name);

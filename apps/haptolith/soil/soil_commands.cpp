@@ -24,6 +24,7 @@
 #include "haptolith/soil/strength.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 #include "soil/density_figure.h"
@@ -54,11 +55,11 @@ struct Conditions {
   double stiffness_n_m = kInfinity;
 
   void addOptions(CLI::App& command, const std::string& radius_help) {
-    CLI::Option* body = command.add_option("--body", body_given, "Ceres, Pluto, Europa, Moon, Mars or Earth [Moon]");
-    command.add_option("--gravity-m-s2", gravity_given, "gravity, instead of a body")->excludes(body);
+    CLI::Option* body = command.add_option("--body", body_given, fmt::format("{} [Moon]", kBodyHelp));
+    command.add_option("--gravity-m-s2", gravity_given, "Gravity in m/s², instead of a body")->excludes(body);
     command.add_option("--radius-mm", radius_mm, radius_help + " [7]");
     command.add_option("--stiffness-n-m", stiffness_n_m,
-                       "limiting stiffness k of the contacts in the density analysis [inf]");
+                       "Stiffness limit k of the contacts in the density analysis [inf]");
   }
 
   std::string body() const { return gravity_given ? "" : std::string(findBody(body_given.value_or("Moon")).name); }
@@ -157,8 +158,8 @@ constexpr const char* kCustomSoil = "--gamma-nm, --rho0-kg-m3, --rho-max-kg-m3 a
 [[noreturn]] void refuseToAnalyse(const std::string& name, const std::string& name_or_file) {
   throw InvalidParameter(
       "soil", inQuotes(name),
-      fmt::format("P1 to P6, or a soil file whose friction is 'paper': density with depth of this one is measured, by "
-                  "haptolith lab settle --soil {}; its friction and cohesion are in haptolith soil list",
+      fmt::format("P1 to P6, or a soil file with friction = 'paper'; for the density of this soil, use haptolith lab "
+                  "settle --soil {}; for its friction and cohesion, haptolith soil list",
                   plainText(name_or_file)));
 }
 
@@ -289,29 +290,27 @@ void runProfile(ProfileOptions options) {
 
 void addProfile(CLI::App& soil) {
   auto options = std::make_shared<ProfileOptions>();
-  CLI::App* command = soil.add_subcommand("profile", "Density with depth, cohesion and friction of a soil at rest");
-  CLI::Option* preset = command->add_option("--preset", options->preset, "one of the paper's soils, P1 to P6");
+  CLI::App* command =
+      soil.add_subcommand("profile", "Print density over depth, cohesion and friction of a soil at rest");
+  CLI::Option* preset = command->add_option("--preset", options->preset, "Soil of the ICRA 2021 paper, P1 to P6");
   const std::vector<CLI::Option*> custom{
-      command->add_option("--gamma-nm", options->gamma_nm, "gamma of the contact law, N m"),
-      command->add_option("--rho0-kg-m3", options->rho0_kg_m3, "bulk density at the surface"),
-      command->add_option("--rho-max-kg-m3", options->rho_max_kg_m3, "bulk density the law never reaches"),
-      command->add_option("--mu-hat", options->mu_hat, "model friction, friction coefficient / sqrt(6)")};
+      command->add_option("--gamma-nm", options->gamma_nm, "Parameter gamma of the contact law in N m"),
+      command->add_option("--rho0-kg-m3", options->rho0_kg_m3, "Bulk density at the surface in kg/m³"),
+      command->add_option("--rho-max-kg-m3", options->rho_max_kg_m3, "Upper limit of the bulk density in kg/m³"),
+      command->add_option("--mu-hat", options->mu_hat, "Friction of the model: friction coefficient / sqrt(6)")};
   CLI::Option* soil_option =
-      command->add_option("--soil", options->soil, "P1 to P6, or a soil file with the paper's friction")
+      command->add_option("--soil", options->soil, "P1 to P6, or a soil file with friction = 'paper'")
           ->excludes(preset);
   for (CLI::Option* option : custom) {
     option->excludes(preset)->excludes(soil_option);
   }
-  options->conditions.addOptions(
-      *command, "radius of a macroparticle; a preset stays the same soil: gamma is scaled with R cubed");
-  command->add_option("--figure", options->figure, "also draw density against depth: FILE.svg or FILE.png");
+  options->conditions.addOptions(*command, "Radius of a particle in mm; gamma of a preset is scaled with its cube");
+  command->add_option("--figure", options->figure, "Draw density over depth to this file (.svg or .png)");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "print one JSON object instead of tables");
+  addJson(*command, options->json);
   command->footer(
-      "Examples:\n"
-      "  haptolith soil profile --preset P3\n"
-      "  haptolith soil profile --preset P3 --body Mars --figure p3-on-mars.svg\n"
-      "  haptolith soil profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342 --json");
+      "Examples:\n  haptolith soil profile --preset P3\n  haptolith soil profile --preset P3 --body Mars --figure "
+      "p3-on-mars.svg\n  haptolith soil profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342");
   command->callback([options] { runProfile(*options); });
 }
 
@@ -361,25 +360,23 @@ void runCalibrate(const CalibrateOptions& options) {
 
 void addCalibratePaper(CLI::App& soil) {
   CLI::App* command = soil.add_subcommand(
-      "calibrate-paper",
-      "Parameters of the paper's model for a wanted friction and cohesion, density as close to the Moon's as it goes");
+      "calibrate-paper", "Calibrate the ICRA 2021 friction model to a friction coefficient and cohesion");
   auto options = std::make_shared<CalibrateOptions>();
-  command->add_option("--friction-coefficient", options->friction_coefficient, "tangent of the friction angle, 0 to 2")
+  command->add_option("--friction-coefficient", options->friction_coefficient, "Tangent of the friction angle, 0 to 2")
       ->required();
-  command->add_option("--cohesion-pa", options->cohesion_pa, "cohesion, Pa")->required();
-  options->conditions.addOptions(*command, "radius of a macroparticle, 0.5 to 20");
-  command->add_flag("--json", options->json, "print one JSON object instead of tables");
+  command->add_option("--cohesion-pa", options->cohesion_pa, "Cohesion in Pa")->required();
+  options->conditions.addOptions(*command, "Radius of a particle in mm, 0.5 to 20");
+  addJson(*command, options->json);
   command->footer(
-      "Examples:\n"
-      "  haptolith soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970\n"
-      "  haptolith soil calibrate-paper --friction-coefficient 0.7 --cohesion-pa 500 --body Mars --radius-mm 3 --json\n"
-      "For a soil that was measured: haptolith lab calibrate");
+      "Examples:\n  haptolith soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970\n  haptolith soil "
+      "calibrate-paper --friction-coefficient 0.7 --cohesion-pa 500 --body Mars\nFor measured soil, use haptolith lab "
+      "calibrate.");
   command->callback([options] { runCalibrate(*options); });
   CLI::App* calibrate = soil.add_subcommand("calibrate")->group("")->allow_extras();  // hidden in help and completion
   calibrate->callback([] {
     throw CLI::ValidationError("soil calibrate",
-                               "choose 'haptolith lab calibrate' for soil that was measured, or 'haptolith soil "
-                               "calibrate-paper' for the paper's friction");
+                               "use 'haptolith lab calibrate' for measured soil, or 'haptolith soil calibrate-paper' "
+                               "for the ICRA 2021 friction model");
   });
 }
 
@@ -403,7 +400,7 @@ void printPresetsJson() {
 }
 
 void printPresetsText() {
-  fmt::print("The paper's soils (Table II), for R = 7 mm and the Moon's gravity\n\n");
+  fmt::print("Soils of the ICRA 2021 paper (Table II), for R = 7 mm and lunar gravity\n\n");
   fmt::print("        friction   angle   mu_hat    gamma    rho0   rho_max   cohesion\n");
   fmt::print("                       °               N m   kg/m³     kg/m³         Pa\n");
   for (const Preset& preset : presets()) {
@@ -416,8 +413,8 @@ void printPresetsText() {
 
 void addPresets(CLI::App& soil) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* command = soil.add_subcommand("presets", "The paper's six soils P1 to P6");
-  command->add_flag("--json", *json, "print one JSON object instead of a table");
+  CLI::App* command = soil.add_subcommand("presets", "List the six soils P1 to P6 of the ICRA 2021 paper");
+  addJson(*command, *json);
   command->footer("Example:\n  haptolith soil presets");
   command->callback([json] { *json ? printPresetsJson() : printPresetsText(); });
 }
@@ -425,9 +422,9 @@ void addPresets(CLI::App& soil) {
 }  // namespace
 
 void addSoilCommands(CLI::App& app) {
-  CLI::App* soil = app.add_subcommand("soil", "Soil as an engineer describes it: density, cohesion, friction");
+  CLI::App* soil = app.add_subcommand("soil", "Show soils and their density, cohesion and friction");
   soil->require_subcommand(1);
-  soil->footer("Example:\n  haptolith soil profile --preset P3\nEvery command explains itself with --help.");
+  soil->footer("Example:\n  haptolith soil profile --preset P3\nRun a command with --help for its options.");
   addProfile(*soil);
   addCalibratePaper(*soil);
   addPresets(*soil);

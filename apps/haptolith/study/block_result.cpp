@@ -39,38 +39,35 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
   const Fit& fit = result.headline();
   const Estimate& w = fit.weber_fraction;
   const bool lapse_fixed = fit.lapse.interval.low == fit.lapse.interval.high;
-  remarks.push_back(lapse_fixed
-                        ? fmt::format("Lapses: a rate of {:g} is assumed.", fit.lapse.value)
-                        : "Lapses: the rate is fitted with the rest; docs/reference/psychometrics.md has its prior.");
+  remarks.push_back(lapse_fixed ? fmt::format("Lapses: a rate of {:g} is assumed.", fit.lapse.value)
+                                : "Lapses: the rate is fitted; its prior is in docs/reference/psychometrics.md.");
   const double reference = result.block->reference.value;
   const Interval& pse = fit.threshold.interval;
   if (pse.high < reference || pse.low > reference) {
-    remarks.push_back(
-        fmt::format("The PSE differs from the reference, {:g}, which its interval leaves out: tests seem {} "
-                    "than they are.",
-                    reference, pse.high < reference ? "more" : "less"));
+    remarks.push_back(fmt::format(
+        "The PSE differs from the reference, {:g}, which is outside its interval: tests appear as {} than they are.",
+        reference, pse.high < reference ? "more" : "less"));
   }
   if (result.group && result.group->scale.alike < kDoubtful) {
-    remarks.push_back(
-        fmt::format("People differ in their Weber fractions (Bayes factor of people alike {}, prior "
-                    "half-normal {:g}).",
-                    bayesFactorText(result.group->scale.alike), result.group->scale.prior.usual));
+    remarks.push_back(fmt::format(
+        "Participants differ in their Weber fractions (Bayes factor of no difference {}, prior half-normal {:g}).",
+        bayesFactorText(result.group->scale.alike), result.group->scale.prior.usual));
   }
   if (result.group && result.group->threshold && result.group->threshold->alike < kDoubtful) {
     remarks.push_back(
-        fmt::format("People differ in their PSEs (Bayes factor of people alike {}, prior half-normal "
-                    "{:.3g}).",
+        fmt::format("Participants differ in their PSEs (Bayes factor of no difference {}, prior half-normal {:.3g}).",
                     bayesFactorText(result.group->threshold->alike), result.group->threshold->prior.usual));
   }
   if (isWeber(fit.function.sigmoid) && w.interval.high > kWide * w.interval.low) {
-    remarks.push_back(fmt::format("{} answers of {} hardly bound the Weber fraction: {:.3g} to {:.3g}.", fit.n_trials,
+    remarks.push_back(fmt::format("{} responses of {} leave the Weber fraction uncertain: {:.3g} to {:.3g}.",
+                                  fit.n_trials,
                                   result.group ? pluralise(result.codes.size(), "person", "people") : "one person",
                                   w.interval.low, w.interval.high));
   }
   const std::optional<Interval> shown = weberFractionsShownBy(*result.block);
   if (isWeber(fit.function.sigmoid) && shown && (w.value < shown->low || w.value > shown->high)) {
     remarks.push_back(
-        fmt::format("The levels show Weber fractions of {:.3g} to {:.3g}; an estimate outside may be far off.",
+        fmt::format("The levels resolve Weber fractions of {:.3g} to {:.3g}; estimates outside are unreliable.",
                     shown->low, shown->high));
   }
   if (result.group && !fit.doubt.empty()) {
@@ -78,8 +75,8 @@ std::vector<std::string> remarksOn(const BlockResult& result) {
   }
   if (result.group && result.pooled) {
     remarks.emplace_back(
-        "The pooled fit takes all answers for one person's: where people differ its curve is too flat and its "
-        "intervals too narrow.");
+        "The pooled fit ignores differences between participants: if they differ, its curve is too flat and its "
+        "intervals are too narrow.");
   }
   return remarks;
 }
@@ -171,14 +168,14 @@ std::string text(const BlockResult& result) {
     told += groupText(*result.group, result.codes);
   }
   if (result.pooled) {
-    told += (result.group ? "\nAll answers pooled. " : "") + fitText(*result.pooled);
+    told += (result.group ? "\nAll responses pooled. " : "") + fitText(*result.pooled);
   }
   told += "\n";
   for (const std::string& remark : remarksOn(result)) {
     told += remark + "\n";
   }
   if (result.caught) {
-    told += fmt::format("Catch trials answered right: {:.0f} %\n", 100 * *result.caught);
+    told += fmt::format("Correct catch trials: {:.0f} %\n", 100 * *result.caught);
   }
   return told;
 }
@@ -247,8 +244,8 @@ std::vector<Difference> differencesOf(const std::vector<BlockResult>& results, c
 
 std::string text(const Difference& difference, double confidence) {
   const std::string heading =
-      fmt::format("{} over {}: {}, people's median", difference.second->name(), difference.first->name(),
-                  difference.in_both ? fmt::format("{} in both", *difference.in_both) : "groups of different people");
+      fmt::format("{} over {}: {}, population median", difference.second->name(), difference.first->name(),
+                  difference.in_both ? fmt::format("{} in both", *difference.in_both) : "different participants");
   return changesText(heading, difference.scale, difference.threshold, confidence);
 }
 

@@ -28,7 +28,7 @@ struct BlockResult {
 
   /// Returns "friction", or "friction of group seen".
   [[nodiscard]] std::string name() const {
-    return block->name + (people == nullptr ? "" : fmt::format(" of group {}", people->name));
+    return people == nullptr ? block->name : fmt::format("{} of group {}", block->name, people->name);
   }
   [[nodiscard]] const Fit& headline() const { return group ? group->median_person : *pooled; }
 };

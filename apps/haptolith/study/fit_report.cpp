@@ -45,10 +45,10 @@ std::string intervalText(const Interval& interval) {
 /// Formats an estimate. @param note  printed unless the estimate is unknown or outside its interval.
 std::string line(std::string_view name, const Estimate& estimate, std::string_view note = "") {
   if (std::isnan(estimate.value)) {
-    return fmt::format("  {:<16} {:>9}   {:<22} none where the threshold may be 0 or less\n", name, "-", "");
+    return fmt::format("  {:<16} {:>9}   {:<22} undefined if the threshold can be 0 or less\n", name, "-", "");
   }
   if (isAtEdge(estimate)) {
-    note = "at the edge of its range; the interval leaves out equal tails";
+    note = "at the limit of its range; equal-tailed interval";
   }
   return fmt::format("  {:<16} {:>9.4g}   {:<22} {}\n", name, rounded(estimate.value, estimate.interval),
                      intervalText(estimate.interval), note);
@@ -60,7 +60,7 @@ std::string judgementOf(const Fit& fit) {
   const bool is_simulated = !std::isnan(fit.p_value);
   const bool is_compared = !std::isnan(fit.p_value_chi_square);
   if (is_simulated || is_compared) {
-    text += "; a function like this gives worse fits in ";
+    text += "; a worse fit occurs in ";
   }
   if (is_simulated) {
     text += fmt::format("{:.3g} % of simulations", 100 * fit.p_value);
@@ -77,9 +77,9 @@ std::string judgementOf(const Fit& fit) {
 
 std::string_view readingOf22(Sigmoid sigmoid) {
   switch (sigmoid) {
-    case Sigmoid::kWeberAsPrinted: return "of (22) as printed";
-    case Sigmoid::kWeberLog10: return "of (22) as printed, logarithms to base 10";
-    default: return "of (22)";
+    case Sigmoid::kWeberAsPrinted: return "as in (22), printed";
+    case Sigmoid::kWeberLog10: return "as in (22), printed, logarithms to base 10";
+    default: return "as in (22)";
   }
 }
 
@@ -135,11 +135,11 @@ std::string fitText(const Fit& fit) {
   const PsychometricFunction& function = fit.function;
   const std::string_view interval =
       fit.method == FitMethod::kMaximumLikelihood ? "profile interval" : "credible interval";
-  std::string text =
-      fmt::format("Psychometric function {} ({}), {}; {} answers to {}\n\n", nameOf(function.sigmoid), designName(fit),
-                  wordsFor(fit.method), fit.n_trials, pluralise(fit.levels.size(), "stimulus", "stimuli"));
+  std::string text = fmt::format("Psychometric function {} ({}), {}; {} responses to {}\n\n", nameOf(function.sigmoid),
+                                 designName(fit), wordsFor(fit.method), fit.n_trials,
+                                 pluralise(fit.levels.size(), "stimulus", "stimuli"));
   text += fmt::format("{:>28}   {:g} % {}\n", "estimate", 100 * fit.confidence, interval);
-  text += line("threshold", fit.threshold, "x50, where the sigmoid is a half");
+  text += line("threshold", fit.threshold, "x50, where the sigmoid is 0.5");
   text += line("JND", fit.jnd, "x84 - x50");
   text += line("Weber fraction", fit.weber_fraction, "x84/x50 - 1");
   if (fit.w) {
@@ -156,23 +156,24 @@ std::string groupText(const GroupFit& group, const std::vector<std::string>& nam
   const Fit& middle = group.median_person;
   const std::string_view scale = scaleName(middle);
   std::string text = fmt::format(
-      "\nThe person in the middle, by a model of all {} people at once; {} answers to {} stimuli\n\n"
-      "{:>28}   {:g} % credible interval\n",
+      "\nPopulation median, by a hierarchical model of {} participants; {} responses to {} stimuli\n\n{:>28}   {:g} % "
+      "credible interval\n",
       names.size(), middle.n_trials, middle.levels.size(), "estimate", 100 * middle.confidence);
-  text += line(scale, group.scale.median, "the median of people's");
+  text += line(scale, group.scale.median, "population median");
   if (middle.function.sigmoid == Sigmoid::kWeberAsPrinted) {
-    text += line("w", *middle.w, "of (22) as printed");
+    text += line("w", *middle.w, "as in (22), printed");
   }
-  text += line("PSE", middle.threshold, "the median of people's x50");
+  text += line("PSE", middle.threshold, "population median of x50");
   text += line("JND", middle.jnd, "x84 - x50");
-  text += line("lapse rate", middle.lapse, "the same for all");
-  text += line("spread", group.scale.spread, fmt::format("of ln({}) between people, standard deviation", scale));
+  text += line("lapse rate", middle.lapse, "shared by all participants");
+  text += line("SD", group.scale.spread, fmt::format("standard deviation of ln({}) between participants", scale));
   if (group.threshold) {
-    text += line("spread", group.threshold->spread,
-                 middle.function.log_axis ? "of ln(PSE) between people" : "of PSEs between people");
+    text += line("SD", group.threshold->spread,
+                 middle.function.log_axis ? "standard deviation of ln(PSE) between participants"
+                                          : "standard deviation of the PSE between participants");
   }
-  text += fmt::format("\n  {:<16} {:>9} {:<22} {:>9} {:<22}  {} by their answers alone\n", "participant", scale, "",
-                      "PSE", "", scale);
+  text += fmt::format("\n  {:<16} {:>9} {:<22} {:>9} {:<22}  {} from separate fits\n", "participant", scale, "", "PSE",
+                      "", scale);
   for (std::size_t i = 0; i < group.participants.size(); ++i) {
     const Fit& within = group.participants[i];
     const Estimate& own = group.scale.participants[i];

@@ -10,12 +10,12 @@ namespace haptolith {
 /// the fraction of responses without attention, half of which are correct by chance.
 inline void addLapseOptions(CLI::App& command, double& lapse) {
   CLI::Option* asymptote =
-      command.add_option("--lapse", lapse, "How far psi stays away from 0 and from 1, as in study fit [0]")
+      command.add_option("--lapse", lapse, "Distance of psi from 0 and from 1, as in study fit [0]")
           ->option_text("RATE");
   command
       .add_option_function<double>(
           "--blind", [&lapse](double share) { lapse = share / 2; },
-          "Share of answers given without attending, twice --lapse [0]")
+          "Fraction of responses given without attention, twice --lapse [0]")
       ->check(numberIn({0.0, 1.0}))
       ->excludes(asymptote)
       ->option_text("SHARE");

@@ -18,9 +18,9 @@ ParticipantRow participantNamed(const StudyStore& study, std::string_view code) 
   if (found == participants.end()) {
     std::vector<std::string> codes;
     std::ranges::transform(participants, std::back_inserter(codes), &ParticipantRow::code);
-    throw InvalidParameter(
-        "participant", fmt::format("'{}'", code),
-        codes.empty() ? "a participant; there are none" : fmt::format("one of {}", fmt::join(codes, ", ")));
+    throw InvalidParameter("participant", fmt::format("'{}'", code),
+                           codes.empty() ? "the code of a participant; the study has no participants"
+                                         : fmt::format("one of {}", fmt::join(codes, ", ")));
   }
   return *found;
 }

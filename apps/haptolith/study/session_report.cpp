@@ -54,11 +54,11 @@ std::string sessionsText(const StudyStore& study) {
     const auto& [kind, version, device, machine] = what;
     text += fmt::format("  {} {} by haptolith {}, {}; {}\n", alike.sessions, kind, version, device, machine);
     if (alike.counted) {
-      text += fmt::format("    {} of {} late, the hand let go {}\n", alike.counts.missed_ticks,
-                          pluralise(alike.counts.ticks, "tick"), pluralise(alike.counts.safety_trips, "time"));
+      text += fmt::format("    {} of {} late, safety trips: {}\n", alike.counts.missed_ticks,
+                          pluralise(alike.counts.ticks, "tick"), alike.counts.safety_trips);
     }
     if (alike.unfinished > 0) {
-      text += fmt::format("    {} under way or cut off\n", alike.unfinished);
+      text += fmt::format("    {} running or interrupted\n", alike.unfinished);
     }
   }
   return text;
@@ -101,8 +101,8 @@ std::string pendingText(const StudyStore& study) {
   for (const RemovalRow& removal : study.removals()) {
     if (removal.done_at.empty()) {
       text += fmt::format(
-          "\nA removal that was begun at {} is not at its end: the next `haptolith study forget`, `run` or `resume` "
-          "brings it about.\n",
+          "\nA removal that began at {} is not completed: the next `haptolith study forget`, `run` or `resume` "
+          "completes it.\n",
           removal.at);
     }
   }

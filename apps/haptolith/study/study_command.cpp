@@ -12,7 +12,7 @@ constexpr const char* kStudyExamples = R"(Examples:
   haptolith study run friction.study --trial-run
   haptolith study figure friction.study --out friction.svg
 
-Every command explains itself with --help; docs/how-to/run-a-study.md leads through a study.)";
+Run a command with --help for its options. Guide: docs/how-to/run-a-study.md)";
 
 }  // namespace
 

@@ -21,6 +21,7 @@
 
 #include "commands.h"
 #include "lab/lab_options.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -35,12 +36,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyExploreExamples = R"(Examples:
-  haptolith study explore                                          all of it: some minutes
+  haptolith study explore                                          everything: some minutes
   haptolith study explore --block gravity --friction paper --hand stir --repeats 10
   haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
-  haptolith study explore --protocol buried-stone                  what force tells of a task, and what the picture
+  haptolith study explore --protocol buried-stone                  information in force and in view
 
-docs/reports/perception.md tells what was found, and how the numbers are meant.)";
+Results and definitions: docs/reports/perception.md)";
 
 struct ExploreOptions {
   PerceptionOptions perception;
@@ -256,55 +257,60 @@ void addStudyExploreCommand(CLI::App& study) {
   auto options = std::make_shared<ExploreOptions>();
   options->perception.threads = 0;
   PerceptionOptions& perception = options->perception;
-  CLI::App* command = study.add_subcommand("explore", "How far apart the paper's stimuli are for a hand that explores");
+  CLI::App* command = study.add_subcommand("explore", "Estimate how well an ideal observer discriminates the stimuli");
   CLI::Option* protocols =
       command
           ->add_option("--protocol", options->protocols,
-                       "instead of the paper's stimuli, those of the first block of a study, explored by its scene's "
-                       "[hand]: what force alone tells, and what the picture alone")
+                       "Protocols whose first block is explored by the [hand] of its scene, instead of the stimuli of "
+                       "the ICRA 2021 paper; reports force and view separately")
           ->option_text("NAME|FILE ...");
-  command->add_option("--block", options->block, "which stimuli")
+  command->add_option("--block", options->block, "Stimuli")
       ->check(oneOf({"friction", "gravity", "both"}))
       ->excludes(protocols)
       ->capture_default_str();
-  command->add_option("--friction", options->friction, "model of friction")
+  command->add_option("--friction", options->friction, "Friction model")
       ->transform([](const std::string& word) { return std::string(currentWord(word)); }, "")
       ->check(oneOf({"paper", "contact", "both"}))
       ->excludes(protocols)
       ->capture_default_str();
-  command->add_option("--hand", options->hand, "what the hand does")
+  command->add_option("--hand", options->hand, "Motion of the hand")
       ->check(oneOf({"stir", "press", "scoop", "all"}))
       ->excludes(protocols)
       ->capture_default_str();
-  command->add_option("--contact-cohesion-n", perception.contact_cohesion_n, "of soil with contact friction, in N")
+  command
+      ->add_option("--contact-cohesion-n", perception.contact_cohesion_n,
+                   "Contact cohesion of soil with contact friction in N")
       ->check(numberIn({0.0, 1.0}))
       ->excludes(protocols)
       ->capture_default_str();
-  command->add_option("--repeats", perception.repeats, "explorations of each stimulus by each hand")
+  command->add_option("--repeats", perception.repeats, "Number of explorations of each stimulus and motion")
       ->check(wholeNumberIn({2, 1000}))
       ->capture_default_str();
-  command->add_option("--rounds", perception.rounds, "of the movement in each, 4 s long")
+  command->add_option("--rounds", perception.rounds, "Rounds of the motion in each exploration, 4 s each")
       ->check(wholeNumberIn({1, 1000}))
       ->capture_default_str();
-  command->add_option("--seed", perception.seed, "of the hands and beds")
+  command->add_option("--seed", perception.seed, kSeedHelp)
       ->check(wholeNumberIn(BedRanges::seed))
       ->capture_default_str();
   command
       ->add_option("--sense-scale", options->perceive.sense_scale,
-                   "scales what the senses tell apart: 0.6 for the finest that were measured, 1.8 for the coarsest")
+                   "Factor on sensory thresholds: 0.6 for the finest measured, 1.8 for the coarsest")
       ->check(numberIn({0.1, 10.0}))
       ->capture_default_str();
-  command->add_option("--resamplings", options->perceive.observer.resamplings, "of the explorations, for the intervals")
+  command
+      ->add_option("--resamplings", options->perceive.observer.resamplings, "Number of resamplings for the intervals")
       ->check(wholeNumberIn({20, 100'000}))
       ->capture_default_str();
-  command->add_option("--threads", perception.threads, "explorations at a time; the result is the same [all]")
+  command->add_option("--threads", perception.threads, "Number of explorations at the same time [all cores]")
       ->check(wholeNumberIn({1, 256}));
-  command->add_option("--csv", options->csv_file, "write every exploration: FILE.csv")->excludes(protocols);
-  command->add_option("--figure", options->figure_file, "draw the forces, .svg or .png")->excludes(protocols);
-  command->add_option("--weber-figure", options->weber_figure_file, "draw the Weber fractions, .svg or .png")
+  command->add_option("--csv", options->csv_file, "Write every exploration (.csv)")->excludes(protocols);
+  command->add_option("--figure", options->figure_file, "Draw the forces to this file (.svg or .png)")
+      ->excludes(protocols);
+  command
+      ->add_option("--weber-figure", options->weber_figure_file, "Draw the Weber fractions to this file (.svg or .png)")
       ->excludes(protocols);
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "print one JSON object instead of tables");
+  addJson(*command, options->json);
   command->footer(kStudyExploreExamples);
   command->callback([options] { runExplore(*options); });
 }

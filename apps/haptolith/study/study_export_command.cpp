@@ -7,6 +7,7 @@
 #include "haptolith/study/store/store.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 
 namespace haptolith {
@@ -14,9 +15,9 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kStudyExportExamples = R"(Examples:
-  haptolith study export friction.study --to friction.csv               a row for each trial
+  haptolith study export friction.study --to friction.csv               one row per trial
   haptolith study export friction.study --to friction --format bids     a folder for archives
-  haptolith study export friction.study --to all.csv --personal         with answers that tell who somebody is)";
+  haptolith study export friction.study --to all.csv --personal         with personal data)";
 
 struct ExportCommandOptions {
   std::string file, to, format = "csv";
@@ -37,21 +38,22 @@ void exportStudy(const ExportCommandOptions& options) {
 void addStudyExportCommand(CLI::App& study) {
   auto options = std::make_shared<ExportCommandOptions>();
   options->what.program_version = HAPTOLITH_VERSION;
-  CLI::App* command = study.add_subcommand("export", "Convert a study for other programs: CSV or BIDS");
+  CLI::App* command = study.add_subcommand("export", "Export a study as CSV or BIDS");
   command->footer(kStudyExportExamples);
-  command->add_option("file", options->file, "A study")->required()->option_text("FILE");
-  command->add_option("--to", options->to, "Where to: a file, for bids a folder")
+  command->add_option("file", options->file, kStudyFileHelp)->required()->option_text("FILE");
+  command->add_option("--to", options->to, "Output file; a folder for bids")
       ->required()
       ->check(outputName())
       ->option_text("PATH");
   command
-      ->add_option(
-          "--format", options->format,
-          "csv: a table of trials, one of sessions and what their columns mean; bids: a folder of tables [csv]")
+      ->add_option("--format", options->format,
+                   "Format. csv: tables of trials and sessions, and descriptions of their columns; bids: a folder of "
+                   "tables [csv]")
       ->check(oneOf({"csv", "bids"}))
       ->option_text("csv|bids");
-  command->add_flag("--personal", options->what.personal, "With the answers to personal items");
-  command->add_option("--author", options->what.authors, "Of a BIDS folder, several times; default: the protocol's")
+  command->add_flag("--personal", options->what.personal, "Include the answers to personal items");
+  command
+      ->add_option("--author", options->what.authors, "Author named in a BIDS folder; can be repeated [the protocol's]")
       ->option_text("NAME");
   command->add_flag("--overwrite", options->what.overwrite, "Replace an earlier export");
   command->callback([options] { exportStudy(*options); });

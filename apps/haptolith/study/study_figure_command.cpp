@@ -21,6 +21,7 @@
 #include "haptolith/study/store/store.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -36,11 +37,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyFigureExamples = R"(Examples:
   haptolith study figure friction.study --out friction.svg
-  haptolith study figure both.study --out figure.png        figure-friction.png and figure-gravity.png
-  haptolith study figure friction.study --json              numbers alone
+  haptolith study figure both.study --out figure.png     figure-friction.png and figure-gravity.png
+  haptolith study figure friction.study --json           print numbers only
 
-Of several participants the person in the middle stands first, by a model of all of them at once. docs/reference/psychometrics.md
-has the models and how well their intervals hold.)";
+With several participants, the first result is the population median from a hierarchical model.
+Models and coverage of their intervals: docs/reference/psychometrics.md)";
 
 struct FigureOptions {
   std::string file, out, block;
@@ -70,7 +71,7 @@ void fitTo(BlockResult& result, const FigureOptions& options) {
   const std::vector<Level> all = pooled(result.levels);
   if (all.size() < 2 && !fit.threshold) {
     throw Failure(
-        fmt::format("{}: block {} has answers to one stimulus; a curve needs two", options.file, result.name()));
+        fmt::format("{}: block {} has responses to only one stimulus; a curve needs two", options.file, result.name()));
   }
   if (result.codes.size() > 1) {
     result.group = fitGroup(result.levels, groupOptions(fit));
@@ -136,7 +137,7 @@ void draw(const OutputFile& file, const FigureOptions& options, const StudyStore
   }
   figure.x_label = result.block->axis_label;
   figure.y_label =
-      fmt::format("share of answers \"{}\"",
+      fmt::format("fraction of responses \"{}\"",
                   result.block->task == TaskKind::kTwoInterval ? std::string("the test") : result.block->answers[1]);
   figure.log_axis = result.block->log_axis;
   figure.reference = result.block->reference.value;
@@ -193,7 +194,7 @@ void show(const FigureOptions& options) {
     return !options.block.empty() && study.protocol().blocks[of.block].name != options.block;
   });
   if (results.empty() && works.empty()) {
-    throw Failure(fmt::format("{}: nobody has answered yet", options.file));
+    throw Failure(fmt::format("{}: there are no responses yet", options.file));
   }
   Json json{{"study", study.title()}, {"participants", flowText(flowOf(study))}, {"blocks", Json::array()}};
   std::string told = flowsText(study);
@@ -231,25 +232,24 @@ void show(const FigureOptions& options) {
 void addStudyFigureCommand(CLI::App& study) {
   auto options = std::make_shared<FigureOptions>();
   CLI::App* command = study.add_subcommand(
-      "figure",
-      "Psychometric curves and Weber fractions of a study, as in the paper's Fig. 5; task times and errors of "
-      "force of work for a robot");
+      "figure", "Fit the psychometric curves of a study; report task times and force errors of robot tasks");
   command->footer(kStudyFigureExamples);
-  command->add_option("study", options->file, "A study")->required()->option_text("FILE");
+  command->add_option("study", options->file, kStudyFileHelp)->required()->option_text("FILE");
   command
       ->add_option("--out", options->out,
-                   "Draw them (.svg or .png): a figure for each block, one for all work for a robot")
+                   "Draw the result (.svg or .png): one figure per block, one for all robot tasks")
       ->option_text("FILE");
-  command->add_option("--block", options->block, "Only this one")->option_text("NAME");
-  command->add_option("--sigmoid", options->sigmoid, "Another curve than (paper 22)")
+  command->add_option("--block", options->block, "Block of the protocol [all]")->option_text("NAME");
+  command->add_option("--sigmoid", options->sigmoid, "Psychometric function [weber]")
       ->option_text("norm|logistic|weber|as-printed|weibull|gumbel");
   command->add_flag("--fixed-threshold", options->fixed_threshold,
-                    "Take the reference for the point of subjective equality, as (paper 22) does");
-  command->add_flag("--pooled", options->pooled, "Also fit all answers as if of one person, and draw that");
-  command->add_option("--confidence", options->confidence, "Of all intervals [0.95]")->check(numberIn({0.01, 0.999}));
-  command->add_flag("--withdrawn", options->withdrawn, "Count those, too, who have withdrawn");
+                    "Fix the point of subjective equality at the reference");
+  command->add_flag("--pooled", options->pooled, "Also fit and draw the pooled responses");
+  command->add_option("--confidence", options->confidence, "Confidence level of the intervals [0.95]")
+      ->check(numberIn({0.01, 0.999}));
+  command->add_flag("--withdrawn", options->withdrawn, "Include participants who have withdrawn");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { show(*options); });
 }
 

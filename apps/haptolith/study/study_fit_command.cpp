@@ -19,6 +19,7 @@
 #include "haptolith/psychometrics/psychometric_figure.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -30,12 +31,15 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kStudyFitExamples = R"(Examples:
-  haptolith study fit --data answers.csv --sigmoid weber --reference 0.835       the paper's (22): w alone is free
-  haptolith study fit --data answers.csv --design 2afc --sigmoid norm --json     as psignifit fits it
+  haptolith study fit --data answers.csv --sigmoid weber --reference 0.835
+                                     fit the Weber function; only w is free
+  haptolith study fit --data answers.csv --design 2afc --sigmoid norm --json
+                                     fit as psignifit does
   haptolith study fit --data trials.csv --reference 1.625 --group --figure gravity.png --log-x
 
-FILE has the columns x,k,n (stimulus, positive answers, answers), or x,response with a row for each trial; with a column
-participant, --group tells people apart. docs/reference/psychometrics.md explains models, priors and numbers.)";
+FILE has the columns x,k,n (stimulus, positive responses, responses), or x,response with one row
+per trial. With a column participant, --group fits participants separately.
+Models, priors and numbers: docs/reference/psychometrics.md)";
 
 struct FitCommandOptions {
   std::string data, block, figure;
@@ -123,8 +127,8 @@ std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const 
   std::vector<std::vector<std::vector<Level>>> levels;
   for (const AnswersOf& of : answers) {
     if (of.group.empty()) {
-      throw InvalidParameter("--between-groups", fmt::format("participant '{}' in no group", of.participant),
-                             "left out, or a table with a column group that is filled in");
+      throw InvalidParameter("--between-groups", fmt::format("participant '{}' without a group", of.participant),
+                             "left out, or given with a table whose column group is complete");
     }
     auto group = std::ranges::find(groups, of.group, &GroupResult::name);
     if (group == groups.end()) {
@@ -136,7 +140,7 @@ std::vector<GroupResult> fitGroups(const std::vector<AnswersOf>& answers, const 
     levels[static_cast<std::size_t>(group - groups.begin())].push_back(of.levels);
   }
   if (groups.size() < 2) {
-    throw InvalidParameter("--between-groups", "one group", "left out: the table has no two to compare");
+    throw InvalidParameter("--between-groups", "one group", "left out: the table has only one group");
   }
   for (std::size_t i = 0; i < groups.size(); ++i) {
     groups[i].fit = fitGroup(levels[i], options);
@@ -207,7 +211,7 @@ void printGroups(const FitCommandOptions& options, const std::vector<GroupResult
                   [&](const std::string& first, const std::string& second, const Change& scale,
                       const std::optional<Change>& threshold) {
                     const std::string heading =
-                        fmt::format("group {} over group {}: different people, people's median", second, first);
+                        fmt::format("group {} over group {}: different participants, population median", second, first);
                     printText("\n" + changesText(heading, scale, threshold, options.fit.confidence));
                   });
 }
@@ -265,49 +269,56 @@ void runFit(const FitCommandOptions& options) {
 }
 
 void addModelOptions(CLI::App& command, FitCommandOptions& options) {
-  command.add_option("--design", options.fit.design, "what the asymptotes are")
+  command.add_option("--design", options.fit.design, "Design, which sets the asymptotes")
       ->check(oneOf(designNames()))
       ->capture_default_str();
-  command.add_option("--alternatives", options.fit.alternatives, "n of nafc: the guess rate is 1/n")
+  command
+      .add_option("--alternatives", options.fit.alternatives, "Number of alternatives n of nafc; the guess rate is 1/n")
       ->check(wholeNumberIn({2, 1000}))
       ->capture_default_str();
-  command.add_option("--sigmoid", options.fit.sigmoid, "shape of the function")
+  command.add_option("--sigmoid", options.fit.sigmoid, "Psychometric function")
       ->check(oneOf(sigmoidNames()))
       ->capture_default_str();
-  command.add_flag("--log-x", options.fit.log_x, "logarithmic axis (weber, as-printed and weibull have one anyway)");
-  command.add_flag("--falling", options.fit.falling, "more of the stimulus, fewer positive answers");
+  command.add_flag("--log-x", options.fit.log_x,
+                   "Use a logarithmic axis; always on with weber, as-printed and weibull");
+  command.add_flag("--falling", options.fit.falling, "Expect fewer positive responses for larger stimuli");
   command.add_option("--reference", options.fit.reference,
-                     "p of weber and as-printed: fixes the threshold; drawn as a line");
-  command.add_flag("--free-threshold", options.fit.free_threshold, "the point of equality need not be the reference");
-  command.add_option("--lapse", options.fit.lapse,
-                     "lapse rate, one less the upper asymptote: a number, or free (weber, as-printed: 0; else free)");
-  command.add_option("--guess", options.fit.guess, "guess rate of yesno, the same way");
-  command.add_option("--overdispersion", options.fit.overdispersion, "eta of the beta-binomial, the same way");
+                     "Reference p, drawn as a line; fixes the threshold of weber and as-printed");
+  command.add_flag("--free-threshold", options.fit.free_threshold, "Fit the threshold of weber and as-printed");
+  command.add_option(
+      "--lapse", options.fit.lapse,
+      "Lapse rate, 1 minus the upper asymptote: a number or free [0 with weber and as-printed, else free]");
+  command.add_option("--guess", options.fit.guess, "Guess rate of yesno: a number or free [as --lapse]");
+  command.add_option("--overdispersion", options.fit.overdispersion,
+                     "Overdispersion eta of the beta-binomial: a number or free [as --lapse]");
 }
 
 }  // namespace
 
 void addStudyFitCommand(CLI::App& study) {
   auto options = std::make_shared<FitCommandOptions>();
-  CLI::App* command = study.add_subcommand("fit", "A psychometric function for the answers in a table");
-  command->add_option("--data", options->data, "table of answers, .csv or .tsv")->required();
-  command->add_option("--block", options->block, "which block, when the table has several");
+  CLI::App* command = study.add_subcommand("fit", "Fit a psychometric function to a table of responses");
+  command->add_option("--data", options->data, "Table of responses (.csv or .tsv)")->required();
+  command->add_option("--block", options->block, "Block of the table, when it has several");
   command->add_option("--pool-tolerance", options->pool_tolerance,
-                      "take stimuli together that differ by no more from the first of them, in the unit of x");
+                      "Pool stimuli that differ by at most this from the first of them, in the unit of x");
   addModelOptions(*command, *options);
   command
-      ->add_option("--method", options->fit.method, "map, median or ml (maximum likelihood); weber: median, else map")
+      ->add_option("--method", options->fit.method,
+                   "Estimate: map, median or ml (maximum likelihood) [median with weber, else map]")
       ->check(oneOf({"map", "median", "ml"}));
-  command->add_option("--confidence", options->fit.confidence, "of intervals")->capture_default_str();
-  command->add_option("--simulations", options->fit.simulations, "for the p value")->capture_default_str();
-  command->add_flag("--compare", options->compare, "also fit other sigmoids and rank them");
-  command->add_flag("--group", options->group, "also fit each participant, and the spread between them");
+  command->add_option("--confidence", options->fit.confidence, "Confidence level of the intervals")
+      ->capture_default_str();
+  command->add_option("--simulations", options->fit.simulations, "Number of simulations for the p value")
+      ->capture_default_str();
+  command->add_flag("--compare", options->compare, "Also fit other functions and rank them");
+  command->add_flag("--group", options->group, "Also fit each participant and the SD between participants");
   command->add_flag("--between-groups", options->between_groups,
-                    "also fit the people of each group (the column group) by themselves, and compare groups");
-  command->add_option("--figure", options->figure, "draw it, .svg or .png");
-  command->add_option("--x-label", options->x_label, "of the figure's axis")->capture_default_str();
+                    "Also fit each group (column group) separately and compare the groups");
+  command->add_option("--figure", options->figure, kFigureHelp);
+  command->add_option("--x-label", options->x_label, "Label of the x axis of the figure")->capture_default_str();
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "print one JSON object instead of a table");
+  addJson(*command, options->json);
   command->footer(kStudyFitExamples);
   command->callback([options] { runFit(*options); });
 }

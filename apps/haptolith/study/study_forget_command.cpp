@@ -13,6 +13,7 @@
 #include "haptolith/study/store/study_files.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 #include "study/participant_named.h"
 
@@ -21,11 +22,11 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kStudyForgetExamples = R"(Examples:
-  haptolith study forget friction.study S03 --personal               what would tell who S03 is; the answers stay
-  haptolith study forget friction.study S03 --reason "asked for it"  all there is of S03, and the recordings
+  haptolith study forget friction.study S03 --personal               delete only personal answers
+  haptolith study forget friction.study S03 --reason "asked for it"  delete all data and recordings
 
-There is no way back. What stays is that somebody was removed, when and why. Exports and copies of the study are files
-of their own; those beside the study that name S03 are listed.)";
+This cannot be undone. The study keeps only the date and the reason of the removal. Exports and
+copies of the study are separate files; those in the same folder that name S03 are listed.)";
 
 struct ForgetOptions {
   std::string file, participant, reason;
@@ -63,14 +64,14 @@ void forgetEverything(StudyStore& study, const ParticipantRow& participant, cons
   printText(
       fmt::format("{}: deleted, with {}{}\n{}", participant.code, pluralise(trials.size(), "trial"),
                   options.keep_recordings ? "" : " and " + pluralise(recordings.size(), "recording"),
-                  listed("Not deleted, and the code stands in:", othersThatName(study.file(), participant.code))));
-  printText("Exports elsewhere, copies and backups are not known to haptolith: delete those by hand.\n");
+                  listed("Not deleted, and the code occurs in:", othersThatName(study.file(), participant.code))));
+  printText("Exports in other folders, copies and backups must be deleted by hand.\n");
 }
 
 void forget(const ForgetOptions& options) {
   StudyStore study(options.file, StudyStore::Access::kRun);
   if (const std::string removed_at = removedBefore(study, options.participant); !removed_at.empty()) {
-    printText(fmt::format("{}: deleted already, at {}\n", options.participant, removed_at));
+    printText(fmt::format("{}: already deleted, at {}\n", options.participant, removed_at));
     return;
   }
   const ParticipantRow participant = participantNamed(study, options.participant);
@@ -86,12 +87,13 @@ void forget(const ForgetOptions& options) {
 
 void addStudyForgetCommand(CLI::App& study) {
   auto options = std::make_shared<ForgetOptions>();
-  CLI::App* command = study.add_subcommand("forget", "Delete what the study holds of a participant");
+  CLI::App* command = study.add_subcommand("forget", "Delete the data of a participant");
   command->footer(kStudyForgetExamples);
-  command->add_option("file", options->file, "A study")->required()->option_text("FILE");
-  command->add_option("participant", options->participant, "Whose")->required()->option_text("S03");
-  CLI::Option* personal = command->add_flag("--personal", options->personal, "Only the answers to personal items");
-  command->add_option("--reason", options->reason, "Kept in the study, without the code")->option_text("TEXT");
+  command->add_option("file", options->file, kStudyFileHelp)->required()->option_text("FILE");
+  command->add_option("participant", options->participant, "Code of the participant")->required()->option_text("S03");
+  CLI::Option* personal =
+      command->add_flag("--personal", options->personal, "Delete only the answers to personal items");
+  command->add_option("--reason", options->reason, "Reason; stored in the study without the code")->option_text("TEXT");
   command->add_flag("--keep-recordings", options->keep_recordings, "Do not delete the recordings")->excludes(personal);
   command->callback([options] { forget(*options); });
 }

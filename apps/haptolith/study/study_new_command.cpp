@@ -18,6 +18,7 @@
 #include "haptolith/study/store/store.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 
@@ -29,7 +30,9 @@ constexpr const char* kStudyNewExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
   haptolith study new mine.study --protocol mine.toml
 
-Built in: {}. docs/reference/protocol-keys.md explains how to write one.)";
+Built-in protocols:
+{}
+To write a protocol, see docs/reference/protocol-keys.md)";
 
 struct NewOptions {
   std::string file, protocol;
@@ -52,15 +55,13 @@ std::string summaryOf(const StudyProtocol& protocol) {
       trials += planned.block == i ? planned.trials.size() : 0;
     }
     if (block.teleop) {
-      text +=
-          fmt::format("  {:<16} work for a robot: {}, {}, {}\n", block.name,
-                      wordFor(kSiteTaskWords, block.teleop->task), block.reference.name, pluralise(trials, "trial"));
+      text += fmt::format("  {:<16} robot task: {}, {}, {}\n", block.name, wordFor(kSiteTaskWords, block.teleop->task),
+                          block.reference.name, pluralise(trials, "trial"));
       continue;
     }
     const bool adaptive = block.procedure != ProcedureKind::kConstant;
     text += fmt::format("  {:<16} {} against {}, {}\n", block.name, pluralise(block.levels.size(), "level"),
-                        block.reference.name,
-                        adaptive ? std::string("chosen from the answers so far") : pluralise(trials, "trial"));
+                        block.reference.name, adaptive ? std::string("chosen adaptively") : pluralise(trials, "trial"));
   }
   for (const ParticipantGroup& group : protocol.groups) {
     std::vector<std::string_view> blocks;
@@ -86,25 +87,38 @@ void makeStudy(const NewOptions& options) {
   printText(fmt::format("{}: {} (seed {})\n{}", options.file, protocol.title, seed, summaryOf(protocol)));
   if (built_in && protocol.consent.find('[') != std::string::npos) {
     printNotice(
-        fmt::format("The consent page has text in [BRACKETS] to be filled in: good for 'study simulate' and 'study run "
-                    "--trial-run'; for a study, write your own protocol (docs/reference/protocol-keys.md).\n"));
+        fmt::format("The consent page has text in [BRACKETS]. Use this study for 'study simulate' and 'study run "
+                    "--trial-run' only; for a real study, write a protocol (docs/reference/protocol-keys.md).\n"));
   }
+}
+
+}  // namespace
+
+namespace {
+
+/// Names of the built-in protocols, four per line.
+std::string protocolLines() {
+  std::string lines;
+  constexpr std::size_t kPerLine = 4;
+  const auto names = protocolNames();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    lines += fmt::format("{}{}", i == 0 ? "  " : i % kPerLine == 0 ? ",\n  " : ", ", names[i]);
+  }
+  return lines;
 }
 
 }  // namespace
 
 void addStudyNewCommand(CLI::App& study) {
   auto options = std::make_shared<NewOptions>();
-  CLI::App* command = study.add_subcommand("new", "Make the file of a study");
-  command->footer(fmt::format(kStudyNewExamples, fmt::join(protocolNames(), ", ")));
-  command->add_option("file", options->file, "The file to make; it must not exist")
+  CLI::App* command = study.add_subcommand("new", "Create a study file from a protocol");
+  command->footer(fmt::format(kStudyNewExamples, protocolLines()));
+  command->add_option("file", options->file, "Study file to create; it must not exist")
       ->required()
       ->check(outputName())
       ->option_text("FILE");
-  command->add_option("--protocol", options->protocol, "A built-in protocol, or a file")
-      ->required()
-      ->option_text("PROTOCOL");
-  command->add_option("--seed", options->seed, "Decides every random order [drawn]")->option_text("N");
+  command->add_option("--protocol", options->protocol, kProtocolHelp)->required()->option_text("PROTOCOL");
+  command->add_option("--seed", options->seed, "Seed of all random orders [random]")->option_text("N");
   command->callback([options] { makeStudy(*options); });
 }
 

@@ -18,6 +18,7 @@
 #include "haptolith/study/run/study_plan.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -33,9 +34,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyPlanExamples = R"(Examples:
   haptolith study plan --protocol paper-friction --weber 0.29
-  haptolith study plan --protocol paper-friction --weber 0.29 --against 0.4 --participants 8,16,32 --figure power.svg
-  haptolith study plan --protocol paper-friction --weber 0.29 --against 0.4 --spread 0.3 --repeats 12 --people
-  haptolith study plan --protocol paper-friction --weber 0.29 --width 0.5 --repeats 12 --people)";
+  haptolith study plan --weber 0.29 --against 0.4 --participants 8,16,32 --figure power.svg
+  haptolith study plan --weber 0.29 --against 0.4 --spread 0.3 --repeats 12 --people
+  haptolith study plan --weber 0.29 --width 0.5 --repeats 12 --people)";
 
 constexpr int kFigureWidth_px = 1100;
 constexpr int kFigureHeight_px = 460;
@@ -59,9 +60,8 @@ StudyBlock blockOf(const PlanOptions& options) {
     throw InvalidParameter("block", options.block, fmt::format("one of {}", text.name));
   }
   if (found->teleop) {
-    throw InvalidParameter(
-        "block", found->name,
-        "one that compares: how people's task times and errors differ is to be found in a pilot study");
+    throw InvalidParameter("block", found->name,
+                           "a block that compares stimuli; for task times and force errors, run a pilot study");
   }
   return *found;
 }
@@ -74,11 +74,11 @@ std::string shareText(const SimulatedShare& share) {
 std::string tableText(const PlanOptions& options, const StudyBlock& block, const std::vector<PlanOutcome>& outcomes) {
   const PlanParameters& parameters = options.parameters;
   std::string table = fmt::format(
-      "{}: {} simulated studies of each size, Weber fraction {:g}, fitted as `study figure` does\n"
-      "In brackets: where a share lies for studies without end, 95 %.\n\n"
-      "participants  repeats  answers   estimates: median, 95 % range   interval's width   covered",
+      "{}: {} simulated studies of each size, Weber fraction {:g}, fitted as in `study figure`\nIn brackets: 95 % "
+      "intervals of the fractions.\n\nparticipants  repeats  responses estimates: median, 95 % range   interval's "
+      "width   covered",
       block.name, parameters.studies, parameters.observer.weber_fraction);
-  table += parameters.against ? fmt::format("              told from {:g}", *parameters.against) : "";
+  table += parameters.against ? fmt::format("        distinguished from {:g}", *parameters.against) : "";
   table += parameters.width ? fmt::format("            width <= {:g}", *parameters.width) : "";
   table += "\n";
   for (const PlanOutcome& outcome : outcomes) {
@@ -98,7 +98,7 @@ std::string searchText(const PlanOptions& options, const std::vector<PlanOutcome
     const auto found = std::ranges::find_if(outcomes, [&](const PlanOutcome& outcome) {
       return outcome.size.repeats == repeats && successOf(outcome).value >= options.power;
     });
-    text += fmt::format("{} with {} of each level: enough for {:g} % of studies\n",
+    text += fmt::format("{} with {} per level: sufficient in {:g} % of studies\n",
                         pluralise(found->size.participants, "participant"), pluralise(repeats, "trial"),
                         100 * options.power);
   }
@@ -228,44 +228,46 @@ void plan(const PlanOptions& options) {
 
 void addStudyPlanCommand(CLI::App& study) {
   auto options = std::make_shared<PlanOptions>();
-  CLI::App* command = study.add_subcommand("plan", "How many participants and trials a study needs, by simulation");
+  CLI::App* command = study.add_subcommand("plan", "Simulate how many participants and trials a study needs");
   command->footer(kStudyPlanExamples);
-  command->add_option("protocol,--protocol", options->protocol, "A built-in protocol or a file [paper-friction]")
+  command->add_option("protocol,--protocol", options->protocol, "Protocol: a built-in name or a file [paper-friction]")
       ->option_text("NAME|FILE");
-  command->add_option("--block", options->block, "Which block of it; default: the first")->option_text("NAME");
-  command->add_option("--weber", options->parameters.observer.weber_fraction, "Weber fraction that is expected [0.29]")
+  command->add_option("--block", options->block, "Block of the protocol [the first]")->option_text("NAME");
+  command->add_option("--weber", options->parameters.observer.weber_fraction, "Expected Weber fraction [0.29]")
       ->option_text("W");
-  command->add_option("--against", options->parameters.against, "Another value that it is to be distinguished from")
+  command
+      ->add_option("--against", options->parameters.against, "Alternative Weber fraction that the study should reject")
       ->option_text("W");
   command
       ->add_option("--width", options->parameters.width,
-                   "Or how wide its interval may be, from end to end as a share of it")
+                   "Target width of the interval, as a fraction of the Weber fraction")
       ->option_text("SHARE");
   CLI::Option* participants =
       command->add_option("--participants", options->participants, "Numbers of participants [4,8,16,32]")
           ->delimiter(',')
           ->option_text("N,N,...");
   command
-      ->add_flag("--people", options->search,
-                 "Search the least number of participants, for --against or --width in --power of all studies")
+      ->add_flag("--people", options->search, "Find the smallest sample that reaches --power for --against or --width")
       ->excludes(participants);
-  command->add_option("--power", options->power, "Share of studies that is searched for [0.8]")
+  command->add_option("--power", options->power, "Fraction of studies that should reach the target [0.8]")
       ->check(numberIn({0.05, 0.99}))
       ->option_text("SHARE");
-  command->add_option("--repeats", options->repeats, "Numbers of trials with each level [3,6,12]")
+  command->add_option("--repeats", options->repeats, "Numbers of trials per level [3,6,12]")
       ->delimiter(',')
       ->option_text("N,N,...");
-  command->add_option("--spread", options->parameters.spread, "Standard deviation of ln W between people [0]");
+  command->add_option("--spread", options->parameters.spread, "Standard deviation of ln W between participants [0]");
   addLapseOptions(*command, options->parameters.observer.lapse);
-  command->add_option("--bias", options->parameters.observer.bias, "The test feels like 1 + BIAS times what it is [0]")
+  command
+      ->add_option("--bias", options->parameters.observer.bias,
+                   "Bias: the test is perceived as 1 + BIAS times its value [0]")
       ->option_text("BIAS");
-  command->add_option("--studies", options->parameters.studies, "Simulated studies of each size [200]");
-  command->add_option("--confidence", options->parameters.confidence, "Of the intervals [0.95]")
+  command->add_option("--studies", options->parameters.studies, "Number of simulated studies of each size [200]");
+  command->add_option("--confidence", options->parameters.confidence, "Confidence level of the intervals [0.95]")
       ->check(numberIn({0.01, 0.999}));
-  command->add_option("--seed", options->parameters.seed, "Of the answers [1]")->option_text("N");
-  command->add_option("--figure", options->figure, "Draw it (.svg or .png)")->option_text("FILE");
+  command->add_option("--seed", options->parameters.seed, fmt::format("{} [1]", kSeedHelp))->option_text("N");
+  command->add_option("--figure", options->figure, kFigureHelp)->option_text("FILE");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { plan(*options); });
 }
 

@@ -8,6 +8,7 @@
 #include "haptolith/study/protocol/protocol.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
 
@@ -35,19 +36,17 @@ void preregister(const PreregisterOptions& options) {
   AtomicFile file(options.overwrite(options.file));
   file.write(written);
   file.commit();
-  printNotice("What stands in [BRACKETS] is for you to fill in.\n");
+  printNotice("Fill in the text in [BRACKETS].\n");
 }
 
 }  // namespace
 
 void addStudyPreregisterCommand(CLI::App& study) {
   auto options = std::make_shared<PreregisterOptions>();
-  CLI::App* command = study.add_subcommand("preregister", "Write the text of a preregistration from a protocol");
+  CLI::App* command = study.add_subcommand("preregister", "Write a preregistration from a protocol");
   command->footer(kStudyPreregisterExamples);
-  command->add_option("protocol,--protocol", options->protocol, "A built-in protocol, or a file")
-      ->required()
-      ->option_text("PROTOCOL");
-  command->add_option("--out", options->file, "Write it to FILE.md instead of the terminal")->option_text("FILE");
+  command->add_option("protocol,--protocol", options->protocol, kProtocolHelp)->required()->option_text("PROTOCOL");
+  command->add_option("--out", options->file, "Output file (.md) [standard output]")->option_text("FILE");
   options->overwrite.addTo(*command);
   command->callback([options] { preregister(*options); });
 }

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -45,12 +46,13 @@ using namespace std::chrono_literals;
 
 constexpr const char* kStudyRunExamples = R"(Examples:
   haptolith study new friction.study --protocol paper-friction
-  haptolith study run friction.study                               the next participant, with the mouse
-  haptolith study run try.study --trial-run                        try a built-in protocol yourself
-  haptolith study run friction.study --device force-dimension      with a haptic device
-  haptolith study resume friction.study                            go on where somebody was
+  haptolith study run friction.study                            the next participant, with the mouse
+  haptolith study run try.study --trial-run                     try a built-in protocol yourself
+  haptolith study run friction.study --device force-dimension   with a haptic device
+  haptolith study resume friction.study                         continue an interrupted session
 
-Two addresses are printed: the participant's page and the experimenter's. Ctrl-C ends for today and loses nothing.)";
+The command prints two addresses: the page of the participant and the page of the experimenter.
+Ctrl-C interrupts the session; no responses are lost.)";
 
 struct StudyRunOptions {
   std::string file, participant;
@@ -91,11 +93,12 @@ void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
   }
   for (const ParticipantRow& row : store.participants()) {
     if (row.code.starts_with(kSimulatedCode)) {
-      throw Failure(fmt::format("{} holds simulated answers: run a study of its own", options.file));
+      throw Failure(fmt::format("{} contains simulated responses: use another study file", options.file));
     }
     if (row.state == "running" && options.participant.empty()) {
       throw Failure(
-          fmt::format("{} has not finished: go on with 'haptolith study resume {}', or name another with --participant",
+          fmt::format("{} has not finished: continue with 'haptolith study resume {}', or name another participant "
+                      "with --participant",
                       row.code, options.file));
     }
   }
@@ -196,7 +199,7 @@ class StudyRun {
   void tellOfLost(std::uint64_t lost) {
     if (lost > told_lost_) {
       const std::string text =
-          fmt::format("the program was held up: {} missing", pluralise(lost - told_lost_, "tick is", "ticks are"));
+          fmt::format("the program was interrupted: {} missing", pluralise(lost - told_lost_, "tick is", "ticks are"));
       told_lost_ = lost;
       spdlog::warn("{}", text);
       conductor_.remark(text);
@@ -210,7 +213,7 @@ class StudyRun {
       requireRoom(store_, options_);
       if (const int enough = store_.protocol().planned_participants;
           enough > 0 && finishedParticipants(store_.participants()) >= enough) {
-        spdlog::warn("the protocol ends the study after {}, and so many have finished",
+        spdlog::warn("the protocol ends the study after {}, and this number has finished",
                      pluralise(enough, "participant"));
       }
       conductor_.begin(options_.participant);
@@ -218,9 +221,16 @@ class StudyRun {
     code_ = conductor_.state().participant;
     beginSession();
     printNotice(
-        fmt::format("{} takes part\n  participant's page   {}&study=participant\n  experimenter's page  "
+        fmt::format("{} participates\n  participant's page   {}&study=participant{}\n  experimenter's page  "
                     "{}&study=experimenter\n",
-                    code_, view_.url(kParticipants), view_.url(kExperimenters)));
+                    code_, view_.url(kParticipants), languageInAddress(), view_.url(kExperimenters)));
+  }
+
+  /// Selects the words of the participant's page; English needs none.
+  [[nodiscard]] std::string languageInAddress() const {
+    const std::string& language = store_.protocol().language;
+    const bool is_tag = std::ranges::all_of(language, [](unsigned char c) { return std::isalnum(c) != 0 || c == '-'; });
+    return language == "en" || !is_tag ? "" : "&lang=" + language;
   }
 
   void beginSession() {
@@ -258,7 +268,7 @@ class StudyRun {
       view_.releaseTool();
     }
     if (!news.problem.empty()) {
-      spdlog::warn("the experimenter's page shows no news: {}", news.problem);
+      spdlog::warn("the experimenter's page is not updated: {}", news.problem);
     }
     for (const auto& [client, message] : news.messages) {
       view_.send(client, message);
@@ -299,7 +309,7 @@ class StudyRun {
     }
     printText(fmt::format("{}: {} in {}\n", store_.title(), pluralise(answers, "answer"), options_.file));
     if (!over) {
-      printText(fmt::format("{} goes on with: haptolith study resume {}\n", code_, options_.file));
+      printText(fmt::format("{} continues with: haptolith study resume {}\n", code_, options_.file));
     }
     if (end != LoopEnd::kStopped) {
       throw Failure(fmt::format("the scene has ended: {}", text(end)));
@@ -322,9 +332,9 @@ class StudyRun {
 
 void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& options) {
   command.footer(kStudyRunExamples);
-  command.add_option("study", options->file, "The study (haptolith study new)")->required()->option_text("FILE");
+  command.add_option("study", options->file, "Study file (haptolith study new)")->required()->option_text("FILE");
   options->device.addTo(command);
-  command.add_option("--record-frames", options->frames_per_s, "Pictures of all particles a second in recordings [0]")
+  command.add_option("--record-frames", options->frames_per_s, "Recorded frames of all particles per second [0]")
       ->check(numberIn({0, 60}))
       ->option_text("N");
   options->web.addToStudy(command);
@@ -339,18 +349,18 @@ void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& op
 
 void addStudyRunCommands(CLI::App& study) {
   const auto run_options = std::make_shared<StudyRunOptions>();
-  CLI::App* run = study.add_subcommand("run", "Lead the next participant through a study, in the browser");
-  run->add_option("--participant", run_options->participant, "Pseudonym; default: the next of S01, S02, ...")
+  CLI::App* run = study.add_subcommand("run", "Run a study with the next participant, in the browser");
+  run->add_option("--participant", run_options->participant, "Code of the participant [the next of S01, S02, ...]")
       ->option_text("CODE");
   run->add_flag("--trial-run", run_options->trial_run,
-                "To try it out without participants: the consent page may have text in [BRACKETS]");
+                "Try the study without participants; the consent page can have text in [BRACKETS]");
   addRunOptions(*run, run_options);
   const auto resume_options = std::make_shared<StudyRunOptions>();
   resume_options->resumes = true;
-  CLI::App* resume = study.add_subcommand("resume", "Resume a participant, exactly where they were");
+  CLI::App* resume = study.add_subcommand("resume", "Continue an interrupted session of a participant");
   resume
       ->add_option("--participant", resume_options->participant,
-                   "Code of the participant; default: the one who has not finished")
+                   "Code of the participant [the one that has not finished]")
       ->option_text("CODE");
   addRunOptions(*resume, resume_options);
 }

@@ -22,6 +22,7 @@
 #include "haptolith/study/store/provenance.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -38,8 +39,10 @@ constexpr const char* kStudySimulateExamples = R"(Examples:
   haptolith study new try.study --protocol paper-friction
   haptolith study simulate try.study --participants 8 --weber 0.29
   haptolith study figure try.study --out try.svg
-  haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1    by what a hand really feels
-  haptolith study simulate dig.study --participants 2       work for a robot is done by a virtual operator: minutes)";
+  haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1
+                                     judge the force of a simulated exploration
+  haptolith study simulate dig.study --participants 2
+                                     robot tasks with a virtual operator: some minutes)";
 
 struct SimulateOptions {
   std::string file;
@@ -105,7 +108,7 @@ void requireNobody(const StudyStore& study) {
   for (const ParticipantRow& row : study.participants()) {
     if (!row.code.starts_with(kSimulatedCode)) {
       throw Failure(
-          fmt::format("{} has taken part in {}: simulate in a study of its own", row.code, study.file().string()));
+          fmt::format("{} has participated in {}: simulate in another study file", row.code, study.file().string()));
     }
   }
 }
@@ -152,7 +155,7 @@ void simulate(const SimulateOptions& options) {
       if (!stopAsked()) {
         throw;
       }
-      throw Failure(fmt::format("interrupted after {} of {}; the answers so far are in {}", person,
+      throw Failure(fmt::format("interrupted after {} of {}; the responses so far are in {}", person,
                                 pluralise(options.participants, "participant"), options.file));
     }
     study.endSession(session, std::nullopt);
@@ -165,44 +168,43 @@ void simulate(const SimulateOptions& options) {
         row.kind == TrialKind::kMain && row.state == TrialState::kAnswered && row.answer && row.answer->teleop ? 1 : 0;
   }
   printText(fmt::format("{}: {}, {}{}\n", options.file, pluralise(study.participants().size(), "simulated participant"),
-                        pluralise(answers, "answer that counts", "answers that count"),
-                        works > 0 ? fmt::format(", {} of work for a robot", pluralise(works, "trial")) : ""));
+                        pluralise(answers, "counted response", "counted responses"),
+                        works > 0 ? fmt::format(", {} of robot tasks", pluralise(works, "trial")) : ""));
 }
 
 }  // namespace
 
 void addStudySimulateCommand(CLI::App& study) {
   auto options = std::make_shared<SimulateOptions>();
-  CLI::App* command = study.add_subcommand("simulate", "Let simulated participants take part, to try a study out");
+  CLI::App* command = study.add_subcommand("simulate", "Test a study with simulated participants");
   command->footer(kStudySimulateExamples);
-  command->add_option("study", options->file, "A study that no person has taken part in")
-      ->required()
-      ->option_text("FILE");
-  command->add_option("--participants", options->participants, "How many [8]")->check(wholeNumberIn({1, 10'000}));
-  command->add_option("--weber", options->observer.weber_fraction, "Their Weber fraction [0.29]")->option_text("W");
-  command->add_option("--spread", options->spread, "Standard deviation of ln W between them [0]")
+  command->add_option("study", options->file, "Study file without human participants")->required()->option_text("FILE");
+  command->add_option("--participants", options->participants, "Number of simulated participants [8]")
+      ->check(wholeNumberIn({1, 10'000}));
+  command->add_option("--weber", options->observer.weber_fraction, "Weber fraction of the participants [0.29]")
+      ->option_text("W");
+  command->add_option("--spread", options->spread, "Standard deviation of ln W between participants [0]")
       ->check(numberIn({0.0, 5.0}));
-  command->add_option("--bias", options->observer.bias, "The test feels like 1 + BIAS times what it is [0]")
+  command->add_option("--bias", options->observer.bias, "Bias: the test is perceived as 1 + BIAS times its value [0]")
       ->option_text("BIAS");
   addLapseOptions(*command, options->observer.lapse);
-  command->add_option("--learning", options->observer.learning, "W is 1 + LEARNING times as large at first [0]")
+  command->add_option("--learning", options->observer.learning, "Learning: W starts 1 + LEARNING times as large [0]")
       ->option_text("LEARNING");
   command
       ->add_option("--group-factor", options->observer.group_factor,
-                   "W of each group of the protocol over that of the one before [1]")
+                   "Ratio of W between a group of the protocol and the group before it [1]")
       ->option_text("F");
-  CLI::Option* judge =
-      command
-          ->add_option("--judge", options->observer.judged_by,
-                       "What they compare, with Weber fraction W: what the hand felt; default: the stimulus' value")
-          ->transform(wordOf(judgeChoices()))
-          ->option_text("mean-force|peak-force|work");
-  CLI::Option* hand = command->add_option("--hand", options->hand, "How they explore, with --judge")
+  CLI::Option* judge = command
+                           ->add_option("--judge", options->observer.judged_by,
+                                        "Quantity that is compared with Weber fraction W [the stimulus' value]")
+                           ->transform(wordOf(judgeChoices()))
+                           ->option_text("mean-force|peak-force|work");
+  CLI::Option* hand = command->add_option("--hand", options->hand, "Motion of the exploration, with --judge")
                           ->transform(wordOf(handChoices()))
                           ->option_text("stir|press|scoop")
                           ->needs(judge);
   judge->needs(hand);
-  command->add_option("--seed", options->seed, "Of their answers [1]")->option_text("N");
+  command->add_option("--seed", options->seed, fmt::format("{} [1]", kSeedHelp))->option_text("N");
   command->callback([options] { simulate(*options); });
 }
 

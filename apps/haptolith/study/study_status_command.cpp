@@ -18,6 +18,7 @@
 #include "haptolith/study/store/store.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/output.h"
 #include "study/session_report.h"
 #include "study/teleop_report.h"
@@ -196,7 +197,7 @@ std::string strataText(const StudyStore& study) {
   if (flows.empty() || study.protocol().assignment.strata.empty()) {
     return "";
   }
-  std::string text = fmt::format("\n{:<40}", "Assigned out of each stratum");
+  std::string text = fmt::format("\n{:<40}", "Assigned from each stratum");
   for (const GroupFlow& flow : flows) {
     text += fmt::format("{:>16}", flow.group);
   }
@@ -216,7 +217,7 @@ std::string strataText(const StudyStore& study) {
 std::string participantsText(const StudyStore& study, const std::vector<TrialRow>& trials) {
   const std::vector<ParticipantRow> participants = study.participants();
   if (participants.empty()) {
-    return "Nobody has taken part yet.\n";
+    return "There are no participants yet.\n";
   }
   const std::vector<StudyBlock>& blocks = study.protocol().blocks;
   std::string text = fmt::format("{:<18}{:<11}", "Participant", "");
@@ -271,7 +272,7 @@ std::string resultsText(const StudyStore& study, const std::vector<TrialRow>& tr
   if (results.empty()) {
     return "";
   }
-  std::string text = "\nWhat the procedures have found: medians and 95 % intervals\n";
+  std::string text = "\nResults of the procedures: medians and 95 % intervals\n";
   for (const ParticipantRow& participant : study.participants()) {
     for (std::size_t block = 0; block < study.protocol().blocks.size(); ++block) {
       if (const AdaptiveResult* result = resultIn(results, participant.id, block)) {
@@ -318,10 +319,10 @@ void showStatus(const StatusOptions& options) {
 
 void addStudyStatusCommand(CLI::App& study) {
   auto options = std::make_shared<StatusOptions>();
-  CLI::App* command = study.add_subcommand("status", "Tell who has taken part, how far they are and what was answered");
+  CLI::App* command = study.add_subcommand("status", "Show participants, progress and responses of a study");
   command->footer(kStudyStatusExamples);
-  command->add_option("file", options->file, "A study")->required()->option_text("FILE");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command->add_option("file", options->file, kStudyFileHelp)->required()->option_text("FILE");
+  addJson(*command, options->json);
   command->callback([options] { showStatus(*options); });
 }
 

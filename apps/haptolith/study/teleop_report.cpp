@@ -58,7 +58,7 @@ std::string teleopTable(const StudyProtocol& protocol, const std::vector<TeleopB
   for (const TeleopBlockResult& result : results) {
     const StudyBlock& block = protocol.blocks[result.block];
     const bool first = &result == &results.front();
-    text += fmt::format("\n{}: {}, {} there and back; {}\n  {:<34}{:>30}{:>30}\n", block.name,
+    text += fmt::format("\n{}: {}, round trip {}; {}\n  {:<34}{:>30}{:>30}\n", block.name,
                         wordFor(kSiteTaskWords, block.teleop->task), block.reference.name,
                         peopleText(result.measures.front().of_people.size()), "",
                         fmt::format("mean ({:g} % interval)", 100 * confidence),

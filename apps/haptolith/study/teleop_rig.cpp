@@ -149,10 +149,10 @@ bool TeleopRig::workIsDone() {
   }
   const double now_s = static_cast<double>(lead_->end().ticks()) * session_.shown().loop.tick_s;
   if (now_s - silent_since_s_ > kLost_s + work_->round_trip_s) {
-    throw Failure("the robot has fallen silent: the trial is done again when the study goes on");
+    throw Failure("the robot stopped responding: the trial is repeated when the study continues");
   }
   if (state_ == RobotState::kFailed) {
-    throw Failure("the robot has failed: its readings make no sense; the trial is done again when the study goes on");
+    throw Failure("the robot failed: its readings are invalid; the trial is repeated when the study continues");
   }
   return judge_->done();
 }

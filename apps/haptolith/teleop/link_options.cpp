@@ -9,6 +9,7 @@
 
 #include "haptolith/core/error.h"
 
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 
 namespace haptolith {
@@ -43,18 +44,19 @@ void LinkOptions::addTo(CLI::App& command) {
   };
   number("--jitter-ms", jitter_ms, LinkRanges::jitter_s.in(kMs), "MS",
          "Standard deviation of the delay each way [the profile's]");
-  number("--loss", loss, LinkRanges::share, "SHARE", "Packets that are lost, 0 to 1, beside bursts [the profile's]");
+  number("--loss", loss, LinkRanges::share, "SHARE", "Fraction of packets lost at random, 0 to 1 [the profile's]");
   number("--burst-loss", burst_loss, {0, 0.9}, "SHARE",
-         "Packets that are lost in bursts of 25 on average, 0 to 0.9 [the profile's]");
+         "Fraction of packets lost in bursts of 25 on average, 0 to 0.9 [the profile's]");
   number("--rate-kbit-s", rate_kbit_s, LinkRanges::rate_bit_s.in(kKbit), "KBIT/S",
          "Rate each way; 0: no limit [the profile's]");
-  command.add_option("--outage", outage, "Cut off from this time on for so long; again for another")
+  command.add_option("--outage", outage, "Outage of the link; can be repeated")
       ->option_text("START_S,DURATION_S")
       ->allow_extra_args(false);
-  command.add_option("--delays-up", delays_up, "Delays as they were measured, from operator to robot: t_s,delay_s")
+  command.add_option("--delays-up", delays_up, "Measured delays from operator to robot: t_s,delay_s")
       ->option_text("FILE.csv");
-  command.add_option("--delays-down", delays_down, "The same from robot to operator")->option_text("FILE.csv");
-  command.add_option("--seed", seed, "Seed of all chance")->option_text("N")->check(wholeNumberIn({0, 9e15}));
+  command.add_option("--delays-down", delays_down, "Measured delays from robot to operator: t_s,delay_s")
+      ->option_text("FILE.csv");
+  command.add_option("--seed", seed, kSeedHelp)->option_text("N")->check(wholeNumberIn({0, 9e15}));
 }
 
 LinkProfile LinkOptions::link() const {

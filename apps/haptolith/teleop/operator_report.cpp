@@ -40,14 +40,14 @@ std::string soilText(const ModelSoil& soil) {
 std::string robotText(const RobotLead& robot) {
   const RobotNews& news = robot.end().news();
   if (!news.ever) {
-    return "no word of the robot yet";
+    return "no reports from the robot yet";
   }
   if (!news.heard) {
-    return "the robot has fallen silent";
+    return "the robot stopped responding";
   }
   const std::string why = news.state.reason == StopReason::kNone ? "" : fmt::format(" ({})", text(news.state.reason));
-  const char* cap = news.state.at_force_cap   ? ", at its largest force"
-                    : news.state.at_speed_cap ? ", at its largest speed"
+  const char* cap = news.state.at_force_cap   ? ", at its force limit"
+                    : news.state.at_speed_cap ? ", at its speed limit"
                     : news.state.at_edge      ? ", at the edge of its workspace"
                                               : "";
   const std::string soil = hasLearned(robot) ? fmt::format("; soil {:.1f} deg, {:.0f} Pa",
@@ -58,16 +58,16 @@ std::string robotText(const RobotLead& robot) {
   constexpr double kCommand_s = 1e-3, kMore_s = 1;
   const bool lags = static_cast<double>(news.behind) * kCommand_s > news.round_trip_s + kMore_s;
   return fmt::format(
-      "robot {}{}{}, {} commands behind{}, round trip {:.2f} s; the robot met {:.2f} N, this soil {:.2f} N{}",
+      "robot {}{}{}, {} commands behind{}, round trip {:.2f} s; remote force {:.2f} N, this soil {:.2f} N{}",
       text(news.state.state), why, cap, news.behind,
-      lags ? " (more than the link takes: it catches up, or its machine is too slow)" : "", news.round_trip_s,
+      lags ? " (more than the link delay: it catches up, or its machine is too slow)" : "", news.round_trip_s,
       news.met_n.norm(), news.displayed_n.norm(), soil);
 }
 
 RobotShown robotShown(const RobotLead& robot) {
   const RobotNews& news = robot.end().news();
   RobotShown shown;
-  shown.state = news.ever ? text(news.state.state) : "not heard yet";
+  shown.state = news.ever ? text(news.state.state) : "no reports yet";
   shown.reason = news.state.reason == StopReason::kNone ? "" : text(news.state.reason);
   shown.heard = news.heard;
   shown.behind = news.behind;
@@ -97,8 +97,8 @@ std::string robotSummary(const RobotLead& robot) {
   std::string text = fmt::format("  robot      {}\n", robotText(robot));
   if (agreement.rmsMet(0, kEver) > 0) {
     text += fmt::format(
-        "  met        {:.2f} N RMS by the robot; this soil's force before the device's limits differs from it "
-        "by {:.2f} N RMS, {:.0f} %\n",
+        "  remote     {:.2f} N RMS; the force of this soil before the device's limits differs by {:.2f} N RMS, {:.0f} "
+        "%\n",
         agreement.rmsMet(0, kEver), agreement.rmsDifference(0, kEver), 100 * agreement.share(0, kEver));
   }
   if (hasLearned(robot)) {
@@ -106,10 +106,10 @@ std::string robotSummary(const RobotLead& robot) {
                         robot.learning()->updates());
   }
   if (robot.mended() > 0) {
-    text += fmt::format("  mended     the surface: {} to lie elsewhere\n", pluralise(robot.mended(), "grain"));
+    text += fmt::format("  corrected  the surface: {} moved\n", pluralise(robot.mended(), "grain"));
   }
   const PacketCounts& counts = end.counts();
-  text += fmt::format("  packets    {} sent, {} taken; {}, {} forged, {} replayed\n", end.sent(), counts.taken,
+  text += fmt::format("  packets    {} sent, {} accepted; {}, {} forged, {} replayed\n", end.sent(), counts.taken,
                       malformedCountText(counts), counts.forged, counts.replayed);
   return text;
 }

@@ -22,10 +22,9 @@ std::string robotStatusText(const Robot& robot, const RobotServer& server) {
 std::string robotSummaryText(const Robot& robot, const RobotServer& server, const std::string& status) {
   const PacketCounts& counts = server.counts();
   return fmt::format(
-      "  robot      {}; stopped {}\n  packets    {} taken; {}, {} forged, {} replayed, {} of "
-      "strangers\n",
-      status, pluralise(robot.stops(), "time"), counts.taken, malformedCountText(counts), counts.forged,
-      counts.replayed, counts.strangers);
+      "  robot      {}; stopped {}\n  packets    {} accepted; {}, {} forged, {} replayed, {} from strangers\n", status,
+      pluralise(robot.stops(), "time"), counts.taken, malformedCountText(counts), counts.forged, counts.replayed,
+      counts.strangers);
 }
 
 }  // namespace haptolith

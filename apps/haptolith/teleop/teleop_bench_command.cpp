@@ -27,6 +27,7 @@
 #include "haptolith/teleop/operator/surface_mender.h"
 
 #include "identify/belief_report.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/overwrite.h"
@@ -44,14 +45,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kTeleopBenchExamples = R"(Examples:
-  haptolith teleop bench                                   six round trips, a model and delayed force: some minutes
+  haptolith teleop bench                            six round trips, four cases: some minutes
   haptolith teleop bench --round-trip-s 2.6 --case model,twin --duration-s 20
-  haptolith teleop bench --task trench --round-trip-s 0,2.6     until it is done: how long does that take?
-  haptolith teleop bench --case learning,twin --set soil.radius_mm=4 --set-site soil.radius_mm=3       finer grains:
-                                                           less is chance in the forces; some minutes for each run
-  haptolith teleop bench --site dig --set soil.radius_mm=5                 the robot's soil, or the model's, another one
+  haptolith teleop bench --task trench --round-trip-s 0,2.6     completion time of a task
+  haptolith teleop bench --case learning,twin --set soil.radius_mm=4 --set-site soil.radius_mm=3
+                                                    finer particles: less noise in the forces
+  haptolith teleop bench --site dig --set soil.radius_mm=5      model and site swapped
 
-Results and terms: docs/reports/teleop-bench.md.)";
+Results and definitions: docs/reports/teleop-bench.md)";
 
 constexpr double kBenchMm = 1e-3;
 constexpr double kMillijoule = 1e-3;
@@ -232,8 +233,8 @@ std::string taskText(const Row& row, const TeleopBenchOptions& options) {
 std::string learnedText(const Row& row) {
   const TeleopResult& result = row.result;
   return result.learned ? fmt::format(
-                              "{}, {:g} s: in the end {}; {} updates gave {:.4f} mJ, and changed the force within "
-                              "0.1 s by {:.2f} times what is hardly felt at most, 95 % of them by {:.2f}\n",
+                              "{}, {:g} s: in the end {}; {} updates gave {:.4f} mJ, and changed the force within 0.1 "
+                              "s by at most {:.2f} times the detection threshold, 95 % of them by {:.2f}\n",
                               text(row.which), row.round_trip_s, soilText(*result.learned), result.updates,
                               result.update_j / kMillijoule, result.update_jump, result.most_update_jumps)
                         : "";
@@ -288,7 +289,7 @@ std::vector<AgreementPanel> panelsOf(const std::vector<Row>& rows) {
   std::vector<AgreementPanel> panels;
   for (const Row& row : rows) {
     const ForceAgreement& agreement = row.result.agreement;
-    panels.push_back({fmt::format("{}, {:g} s there and back: {:.0f} %", text(row.which), row.round_trip_s,
+    panels.push_back({fmt::format("{}, round trip {:g} s: {:.0f} %", text(row.which), row.round_trip_s,
                                   100 * agreement.share(0, TeleopRanges::duration_s.highest)),
                       agreement.windows()});
   }
@@ -316,13 +317,13 @@ void show(const TeleopBenchOptions& options, const std::vector<Row>& rows, const
     return;
   }
   std::string table =
-      probed ? fmt::format("the robot's probe, {} of {} windows in place:\n{}\n", probed->soil.windows,
+      probed ? fmt::format("the robot's probe, {} of {} windows match:\n{}\n", probed->soil.windows,
                            probed->soil.of_windows, beliefText(probed->soil.belief, {}, gravityOf(*probed)))
              : "";
   table +=
-      "there and           force error, %          met      off, mm         surface, mm     given   behind  follows\n";
+      "round               force error, %       remote  tracking, mm      surface, mm    energy   behind  follows\n";
   table +=
-      "back, s   case       whole  last 10 s   RMS, N   in air  in soil   known    apart        mJ        s        %  "
+      "trip, s   case       total  last 10 s   RMS, N   in air  in soil   known    apart        mJ        s        %  "
       "stops\n";
   for (const Row& row : rows) {
     table += rowText(row);
@@ -346,7 +347,7 @@ void runTeleopBench(const TeleopBenchOptions& options) {
   const bool feels_robot = std::ranges::any_of(rows, [](const Row& row) { return row.which == Case::kBilateral; });
   if (options.lets_go_s && (feels_robot || !options.task.empty())) {
     throw InvalidParameter("--lets-go-s", fmt::format("{:g}", *options.lets_go_s),
-                           "without --task, and not with --case bilateral");
+                           "left out with --task and with --case bilateral");
   }
   const bool probes = std::ranges::any_of(rows, [](const Row& row) { return begins(row.which); });
   const std::optional<Probed> probed = probes ? std::optional(probe(options, status)) : std::nullopt;
@@ -382,62 +383,59 @@ void runTeleopBench(const TeleopBenchOptions& options) {
 
 void addTeleopBench(CLI::App& teleop) {
   auto options = std::make_shared<TeleopBenchOptions>();
-  CLI::App* command = teleop.add_subcommand(
-      "bench", "Dig in simulated time over links with delay: how true the force is, how close the robot follows");
+  CLI::App* command = teleop.add_subcommand("bench", "Simulate delayed teleoperation: force error and tracking error");
   command->footer(kTeleopBenchExamples);
-  command->add_option("--model", options->model, "Scene whose hand digs, and whose soil the operator feels")
+  command->add_option("--model", options->model, "Scene of the operator: its hand digs, its soil is rendered")
       ->option_text("SCENE [dig]");
-  command->add_option("--set", options->model_overrides, "Another value of one of the model's keys")
+  command->add_option("--set", options->model_overrides, "Set a key of the operator's scene; can be repeated")
       ->option_text("TABLE.KEY=VALUE");
-  command->add_option("--site", options->site, "Scene whose soil the robot finds")->option_text("SCENE [dig-site]");
-  command->add_option("--set-site", options->site_overrides, "Another value of one of the site's keys")
+  command->add_option("--site", options->site, "Scene of the robot's site")->option_text("SCENE [dig-site]");
+  command->add_option("--set-site", options->site_overrides, "Set a key of the site's scene; can be repeated")
       ->option_text("TABLE.KEY=VALUE");
-  command->add_option("--round-trip-s", options->round_trips_s, "Delays there and back")
+  command->add_option("--round-trip-s", options->round_trips_s, "Round-trip delays")
       ->option_text("SECONDS,... [0,0.1,0.4,0.85,2.6,5]")
       ->delimiter(',')
       ->check(numberIn({0, 2 * LinkRanges::delay_s.highest}));
-  command->add_option("--profile", options->link.profile, "Whose jitter, loss and rate: haptolith teleop profiles")
+  command
+      ->add_option("--profile", options->link.profile,
+                   "Link profile with jitter, loss and rate (haptolith teleop profiles)")
       ->option_text("NAME [lan]");
   options->link.addTo(*command);
   command
-      ->add_option(
-          "--case", options->cases,
-          "model: the hand feels a model of the soil, which stays as it is; probed: of soil that the robot's probe "
-          "has\n"
-          "told; learning: which learns from the robot's forces while both dig; both: one after the other; none:\n"
-          "nothing is felt; bilateral: what the robot's sensor tells, late; twin: a model whose soil is the robot's,\n"
-          "in another specimen: as true as any model can be")
-      ->option_text("model,probed,learning,both,none,bilateral,twin [all but probed, both and none]")
+      ->add_option("--case", options->cases,
+                   "Cases to compare. model: static model of the soil; probed: model calibrated by the robot's probe; "
+                   "learning: model adapted to the robot's forces; both: probed, then learning; none: no force; "
+                   "bilateral: delayed measured force; twin: model with the robot's soil, another realisation")
+      ->option_text("CASE,... [model,learning,bilateral,twin]")
       ->delimiter(',')
       ->check(oneOf({"model", "probed", "learning", "both", "none", "bilateral", "twin"}));
   command
       ->add_option("--task", options->task,
-                   "trench: the hand digs one 40 mm deep; press: it presses the tool's face on the soil with 8 N;\n"
-                   "scoop: it lifts 0.1 N of soil; until that is seen to be done at the robot's site")
+                   "Task that ends the run. trench: dig 40 mm deep; press: press the tool's face on the soil with 8 N; "
+                   "scoop: lift 0.1 N of soil")
       ->option_text("trench|press|scoop [the scene's manoeuvre]")
       ->check(oneOf({"trench", "press", "scoop"}));
-  command
-      ->add_option("--lets-go-s", options->lets_go_s, "The hand lets go of the tool then; only where it feels a model")
+  command->add_option("--lets-go-s", options->lets_go_s, "Time at which the hand releases the tool; only with a model")
       ->option_text("SECONDS [never]")
       ->check(numberIn(TeleopRanges::lets_go_s));
-  command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run, with a task at most")
+  command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run; the maximum with a task")
       ->option_text("SECONDS [40; with a task 180]")
       ->check(numberIn(TeleopRanges::duration_s));
   CLI::Option* mend = command->add_flag_callback(
       "--mend", [options] { options->mends = true; },
-      "Mend the surface of every model by what the robot sees; default: of those that learn");
+      "Correct the surface of every model by the robot's camera [of those that learn]");
   command
       ->add_flag_callback(
-          "--no-mend", [options] { options->mends = false; }, "Leave their surfaces as they are")
+          "--no-mend", [options] { options->mends = false; }, "Do not correct the surface of the model")
       ->excludes(mend);
-  command->add_option("--threads", options->threads, "Runs at the same time")
-      ->option_text("N [one for each processor]")
+  command->add_option("--threads", options->threads, "Number of runs at the same time")
+      ->option_text("N [one per core]")
       ->check(wholeNumberIn({1, 256}));
-  command->add_option("--csv", options->csv_file, "Write force felt and force met, window by window")
-      ->option_text("FILE.csv");
-  command->add_option("--figure", options->figure_file, "Draw the same (.svg or .png)")->option_text("FILE");
+  command->add_option("--csv", options->csv_file, "Write rendered and remote force over time")->option_text("FILE.csv");
+  command->add_option("--figure", options->figure_file, "Draw rendered and remote force to this file (.svg or .png)")
+      ->option_text("FILE");
   options->overwrite.addTo(*command);
-  command->add_flag("--json", options->json, "Print one JSON object");
+  addJson(*command, options->json);
   command->callback([options] { runTeleopBench(*options); });
 }
 

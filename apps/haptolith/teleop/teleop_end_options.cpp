@@ -15,14 +15,12 @@ constexpr double kEndKbit = 1e3;
 
 void TeleopEndOptions::addTo(CLI::App& command) {
   command
-      .add_option("--key-file", key_file,
-                  "File with the key that both ends sign packets with, 64 hexadecimal digits; or in "
-                  "HAPTOLITH_TELEOP_KEY")
+      .add_option(
+          "--key-file", key_file,
+          "File with the key of the packets, the same at both ends, 64 hexadecimal digits; or HAPTOLITH_TELEOP_KEY")
       ->option_text("FILE");
-  command.add_flag("--insecure", insecure,
-                   "Beyond this machine without a key, where all users of the network are trusted");
-  command
-      .add_option("--rate-kbit-s", rate_kbit_s, "What the link carries each way; packets fill four fifths of it [1000]")
+  command.add_flag("--insecure", insecure, "Communicate beyond this machine without a key; only on a trusted network");
+  command.add_option("--rate-kbit-s", rate_kbit_s, "Rate of the link each way; packets use four fifths of it [1000]")
       ->check(numberIn({16, 1e6}))
       ->option_text("KBIT/S");
 }

@@ -12,6 +12,7 @@
 #include "haptolith/teleop/link/udp_relay.h"
 
 #include "commands.h"
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/stop_on_signal.h"
@@ -31,10 +32,10 @@ constexpr double kLook_s = 0.1;
 
 constexpr const char* kTeleopLinkExamples = R"(Examples:
   haptolith teleop link --profile earth-moon --to 127.0.0.1:9050
-                              what comes to 127.0.0.1:7400 goes on to port 9050 after 1.3 s, answers after another 1.3 s
+                              forward from 127.0.0.1:7400 to port 9050 with 1.3 s delay each way
   haptolith teleop link --round-trip-s 1 --jitter-ms 50 --loss 0.1 --to 127.0.0.1:9050
-  haptolith teleop link --profile lan --outage 20,10 --to 127.0.0.1:9050    cut off for 10 s
-  haptolith teleop profiles                                                 links by their names)";
+  haptolith teleop link --profile lan --outage 20,10 --to 127.0.0.1:9050    outage of 10 s
+  haptolith teleop profiles                                                 list the profiles)";
 
 struct RelayOptions {
   UdpRelayOptions relay;
@@ -54,7 +55,7 @@ std::string countsText(const LinkCounts& up, const LinkCounts& down, std::uint64
     return fmt::format("  {:5} {:9} sent {:9} arrived {:8} lost {:8} cut off {:8} dropped by the queue\n", name,
                        counts.sent, counts.arrived, counts.lost, counts.cut_off, counts.dropped);
   };
-  return fmt::format("{}{}        {:9} not taken: from strangers, or too many on their way\n", way("up", up),
+  return fmt::format("{}{}        {:9} rejected: from other senders, or too many in transit\n", way("up", up),
                      way("down", down), ignored);
 }
 
@@ -63,7 +64,7 @@ void runLink(const RelayOptions& options) {
   UdpRelay relay(link.up, link.down, options.relay);
   const StopOnSignal stop;
   const bool measured = !link.up.delays.empty() || !link.down.delays.empty();
-  printNotice(fmt::format("a link of {} there and back, from port {} to {}; Ctrl-C ends it\n",
+  printNotice(fmt::format("a link with a round trip of {}, from port {} to {}; Ctrl-C ends it\n",
                           measured ? "delays from a table" : fmt::format("{:g} s", link.roundTrip()), relay.port(),
                           options.relay.to));
   double left_s = options.duration_s.value_or(LinkRanges::time_s.highest);
@@ -73,7 +74,7 @@ void runLink(const RelayOptions& options) {
     relay.run(next_s);
     left_s -= next_s;
     if (status.visible()) {
-      status.update(fmt::format("{} up, {} down, {} on their way", relay.up().arrived, relay.down().arrived,
+      status.update(fmt::format("{} up, {} down, {} in transit", relay.up().arrived, relay.down().arrived,
                                 relay.up().onTheWay() + relay.down().onTheWay()));
     }
   }
@@ -107,8 +108,8 @@ void listProfiles(bool json) {
     printJson({{"profiles", list}});
     return;
   }
-  std::string text = fmt::format("{:17} {:>10} {:>9} {:>6} {:>10}\n", "", "there and", "jitter", "loss", "kbit/s");
-  text += fmt::format("{:17} {:>10} {:>9} {:>6} {:>10}\n", "name", "back, s", "ms", "%", "each way");
+  std::string text = fmt::format("{:17} {:>10} {:>9} {:>6} {:>10}\n", "", "round", "jitter", "loss", "kbit/s");
+  text += fmt::format("{:17} {:>10} {:>9} {:>6} {:>10}\n", "name", "trip, s", "ms", "%", "each way");
   for (const LinkProfile& profile : linkProfiles()) {
     text += fmt::format("{:17} {:10g} {:9g} {:6.1f} {:10g}  {}\n", profile.name, profile.roundTrip(),
                         profile.up.jitter_s / kLinkMs, 100 * profile.up.meanLoss(), profile.up.rate_bit_s / kLinkKbit,
@@ -120,25 +121,23 @@ void listProfiles(bool json) {
 void addLink(CLI::App& teleop) {
   auto options = std::make_shared<RelayOptions>();
   CLI::App* command =
-      teleop.add_subcommand("link", "Stand between two programs that talk by UDP, as a slow and lossy network would");
+      teleop.add_subcommand("link", "Relay UDP packets between two programs with delay, jitter and loss");
   command->footer(kTeleopLinkExamples);
-  command->add_option("--to", options->relay.to, "Where the robot's program listens")
-      ->option_text("HOST:PORT")
-      ->required();
-  command->add_option("--listen", options->relay.listen, "Where the operator's program sends to")
+  command->add_option("--to", options->relay.to, "Address of the robot")->option_text("HOST:PORT")->required();
+  command->add_option("--listen", options->relay.listen, "Address to listen on for the operator")
       ->option_text("HOST:PORT [127.0.0.1:7400]");
-  command->add_option("--profile", options->link.profile, "A link by its name: haptolith teleop profiles")
+  command->add_option("--profile", options->link.profile, "Link profile (haptolith teleop profiles)")
       ->option_text("NAME [lan]");
   command
       ->add_option("--round-trip-s", options->link.round_trip_s,
-                   "Delay there and back, half of it each [the profile's]")
+                   "Round-trip delay, half of it each way [the profile's]")
       ->option_text("SECONDS")
       ->check(numberIn({0, 2 * LinkRanges::delay_s.highest}));
   options->link.addTo(*command);
-  command->add_option("--duration-s", options->duration_s, "How long [until Ctrl-C]")
+  command->add_option("--duration-s", options->duration_s, "Duration [until Ctrl-C]")
       ->option_text("SECONDS")
       ->check(numberIn({0, LinkRanges::time_s.highest}));
-  command->add_flag("--json", options->json, "Print one JSON object at the end");
+  addJson(*command, options->json);
   command->callback([options] { runLink(*options); });
 }
 
@@ -148,20 +147,18 @@ void addTeleopCommand(CLI::App& app) {
   CLI::App* teleop = app.add_subcommand("teleop", kTeleopDescription);
   teleop->require_subcommand(1);
   teleop->footer(
-      "Examples, each in a terminal of its own:\n"
-      "  haptolith teleop remote\n"
-      "  haptolith teleop link --profile earth-moon --to 127.0.0.1:7410\n"
-      "  haptolith teleop operator --to 127.0.0.1:7400\n"
-      "Every command explains itself with --help; guide: docs/how-to/teleoperate.md.");
+      "Examples, each in a separate terminal:\n  haptolith teleop remote\n  haptolith teleop link --profile earth-moon "
+      "--to 127.0.0.1:7410\n  haptolith teleop operator --to 127.0.0.1:7400\nRun a command with --help for its "
+      "options. Guide: docs/how-to/teleoperate.md");
   addLink(*teleop);
   addTeleopRemote(*teleop);
   addTeleopRos2(*teleop);
   addTeleopOperator(*teleop);
   addTeleopBench(*teleop);
   auto json = std::make_shared<bool>(false);
-  CLI::App* profiles = teleop->add_subcommand("profiles", "List the links that have a name");
+  CLI::App* profiles = teleop->add_subcommand("profiles", "List the link profiles");
   profiles->footer("Example:\n  haptolith teleop profiles");
-  profiles->add_flag("--json", *json, "Print one JSON object");
+  addJson(*profiles, *json);
   profiles->callback([json] { listProfiles(*json); });
 }
 

@@ -16,9 +16,9 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kOperatorExamples = R"(Examples:
-  haptolith teleop remote                                       a robot in a bed of its own, in another terminal
-  haptolith teleop operator --to 127.0.0.1:7410                 leads it, in the scene dig
-  haptolith teleop operator --to 127.0.0.1:7400 regolith        over haptolith teleop link, in another scene)";
+  haptolith teleop remote                                    a simulated robot, in another terminal
+  haptolith teleop operator --to 127.0.0.1:7410              control it, in scene dig
+  haptolith teleop operator --to 127.0.0.1:7400 regolith     over haptolith teleop link)";
 
 struct OperatorOptions {
   std::string robot;  ///< HOST:PORT
@@ -60,21 +60,18 @@ class RobotCompanion final : public RunCompanion {
 
 void addTeleopOperator(CLI::App& teleop) {
   auto options = std::make_shared<OperatorOptions>();
-  CLI::App* command =
-      teleop.add_subcommand("operator", "Run a scene as `haptolith run` does, while a robot follows the tool");
+  CLI::App* command = teleop.add_subcommand("operator", "Run a scene, and control a robot that follows the tool");
   command->footer(kOperatorExamples);
-  command->add_option("--to", options->robot, "Where the robot listens")->option_text("HOST:PORT")->required();
+  command->add_option("--to", options->robot, "Address of the robot")->option_text("HOST:PORT")->required();
   options->end.addTo(*command);
   CLI::Option* learn = command->add_flag_callback(
-      "--learn", [options] { options->learns = true; },
-      "Make the soil what the robot meets, while both dig; default: where it has contact friction");
+      "--learn", [options] { options->learns = true; }, "Adapt the soil to the robot's forces [with contact friction]");
   command
       ->add_flag_callback(
-          "--no-learn", [options] { options->learns = false; }, "Leave the soil as it is")
+          "--no-learn", [options] { options->learns = false; }, "Do not adapt the soil")
       ->excludes(learn);
   command->add_flag_callback(
-      "--no-mend", [options] { options->mends = false; },
-      "Leave the soil's surface as it is; else grains are laid where the robot sees more soil than there is");
+      "--no-mend", [options] { options->mends = false; }, "Do not correct the soil's surface by the robot's camera");
   addRunOptions(
       *command,
       [options](SceneFile& scene_file, const SceneOptions&) {

@@ -14,6 +14,7 @@
 #include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/robot/site_robot.h"
 
+#include "shared/common_options.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
 #include "shared/scene_options.h"
@@ -30,13 +31,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kTeleopRemoteExamples = R"(Examples:
-  haptolith teleop remote                                  digs in the scene dig-site, follows who sends to 127.0.0.1:7410
-  haptolith teleop operator --to 127.0.0.1:7410            leads it, in another terminal
+  haptolith teleop remote                          robot in scene dig-site, at 127.0.0.1:7410
+  haptolith teleop operator --to 127.0.0.1:7410    control it, in another terminal
   haptolith teleop remote regolith --max-force-n 20
-  haptolith teleop remote --listen 0.0.0.0:7410 --key-file teleop.key     openssl rand -hex 32 > teleop.key
+  haptolith teleop remote --listen 0.0.0.0:7410 --key-file teleop.key
+                                                   make the key: openssl rand -hex 32 > teleop.key
 
-Your robot replaces it with the packets of docs/reference/teleop-packets.md: include/haptolith/teleop.h
-for C, examples/teleop_robot.py in Python.)";
+Another robot can use the packets of docs/reference/teleop-packets.md, with include/haptolith/teleop.h
+in C or examples/teleop_robot.py in Python.)";
 
 struct RemoteOptions {
   std::string site = "dig-site";
@@ -127,23 +129,24 @@ void runRemote(const RemoteOptions& options) {
 void addTeleopRemote(CLI::App& teleop) {
   auto options = std::make_shared<RemoteOptions>();
   CLI::App* command =
-      teleop.add_subcommand("remote", "Be a robot that digs in a bed of its own, where an operator leads it");
+      teleop.add_subcommand("remote", "Run a simulated robot that is controlled by `haptolith teleop operator`");
   command->footer(kTeleopRemoteExamples);
-  command->add_option("site", options->site, "Scene that it digs in [dig-site]")->option_text("SCENE");
-  command->add_option("--set", options->overrides, "Another value of one of the scene's keys; again for another")
-      ->option_text("TABLE.KEY=VALUE");
-  command->add_option("--listen", options->listen, "Where commands come to")->option_text("HOST:PORT [127.0.0.1:7410]");
+  command->add_option("site", options->site, "Scene of the robot's site [dig-site]")->option_text("SCENE");
+  command->add_option("--set", options->overrides, kSetHelp)->option_text("TABLE.KEY=VALUE");
+  command->add_option("--listen", options->listen, "Address to listen on for commands")
+      ->option_text("HOST:PORT [127.0.0.1:7410]");
   options->end.addTo(*command);
   const auto number = [&](const char* name, double& value, const Range& range, const char* unit, const char* what) {
     command->add_option(name, value, fmt::format("{} [{:g}]", what, value))->option_text(unit)->check(numberIn(range));
   };
-  number("--max-force-n", options->robot.max_force_n, RobotRanges::force_n, "N", "Pulls the tool no harder");
-  number("--stop-force-n", options->robot.stop_force_n, RobotRanges::force_n, "N", "Stops when its sensor tells more");
-  number("--max-speed-m-s", options->robot.max_speed_m_s, RobotRanges::speed_m_s, "M/S", "Moves the tool no faster");
+  number("--max-force-n", options->robot.max_force_n, RobotRanges::force_n, "N", "Largest force on the tool");
+  number("--stop-force-n", options->robot.stop_force_n, RobotRanges::force_n, "N",
+         "Measured force above which the robot stops");
+  number("--max-speed-m-s", options->robot.max_speed_m_s, RobotRanges::speed_m_s, "M/S", "Largest speed of the tool");
   number("--silence-s", options->robot.silence_s, RobotRanges::time_s, "SECONDS",
-         "Lifts the tool after so long without a command");
-  number("--duration-s", options->duration_s, LinkRanges::time_s, "SECONDS", "How long; 0: until Ctrl-C");
-  command->add_flag("--json", options->json, "Print one JSON object at the end");
+         "Time without a command after which the tool is lifted");
+  number("--duration-s", options->duration_s, LinkRanges::time_s, "SECONDS", "Duration; 0: until Ctrl-C");
+  addJson(*command, options->json);
   command->callback([options] { runRemote(*options); });
 }
 

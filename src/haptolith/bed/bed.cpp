@@ -90,8 +90,8 @@ GroupRange groupsOf(int part, int parts, std::size_t groups) {
 const char* text(StepStatus status) noexcept {
   switch (status) {
     case StepStatus::kOk: return "ok";
-    case StepStatus::kNotFinite: return "a position or velocity is no longer a number";
-    case StepStatus::kCollapsed: return "the bed has collapsed onto itself: too many particles in one place";
+    case StepStatus::kNotFinite: return "a position or velocity is not finite";
+    case StepStatus::kCollapsed: return "the bed collapsed: too many particles in one place";
   }
   return "";
 }

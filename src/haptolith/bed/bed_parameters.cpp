@@ -60,7 +60,7 @@ void validateGrading(const BedParameters& bed) {
   }
   if (bed.soil.friction != FrictionModel::kContact) {
     throw InvalidParameter("fine_radius_m", fmt::format("{:g}", grading.fine_radius_m),
-                           "0 with the paper's friction; finer grains need friction = \"contact\"");
+                           "0 with friction = \"paper\"; finer particles need friction = \"contact\"");
   }
   // A handful of the finest at least, and inside the box.
   const double narrowest_m = 4 * grading.fine_radius_m;
@@ -109,9 +109,7 @@ void refuseGrainsInEachOther(const BedParameters& bed) {
         throw InvalidParameter(
             fmt::format("grains: numbers {} and {}", other + 1, i + 1),
             apart.norm() == 0 ? "at the same place" : fmt::format("{:.3g} m apart", apart.norm()),
-            fmt::format("apart from each other by {:.3g} m at least, their radius: are these one bed twice, or two "
-                        "moments of it?",
-                        larger_m));
+            fmt::format("at least {:.3g} m apart, their radius; does the table contain a bed twice?", larger_m));
       }
     }
     grid.insert(static_cast<std::int32_t>(i), cell);
@@ -158,10 +156,10 @@ void validateStones(const BedParameters& bed) {
     return;
   }
   if (bed.soil.friction != FrictionModel::kContact) {
-    throw InvalidParameter("stones", "with the paper's friction", "in soil with contact friction");
+    throw InvalidParameter("stones", "with friction = \"paper\"", "in soil with friction = \"contact\"");
   }
   if (bed.periodic_x || bed.periodic_y) {
-    throw InvalidParameter("stones", "in a box that repeats itself", "in a box with walls");
+    throw InvalidParameter("stones", "in a periodic box", "in a box with walls");
   }
 }
 

@@ -36,7 +36,7 @@ bool sameNeighbours(const ContactLists& a, const ContactLists& b, std::size_t i)
 std::vector<Float4> grainsOf(const BedState& state) {
   const std::size_t n = state.particles();
   if (n == 0 || state.reference_position.size() < n || state.velocity.size() < n) {
-    throw InvalidParameter("state", fmt::format("{} particles", n), "of a bed with particles");
+    throw InvalidParameter("state", fmt::format("{} particles", n), "the state of a bed with particles");
   }
   return {state.reference_position.begin(), state.reference_position.begin() + static_cast<std::ptrdiff_t>(n)};
 }
@@ -55,11 +55,11 @@ void requireSameArrays(const BedState& state, const BedState& own) {
       state.reference_position.size() != records || state.rested_at.size() != records ||
       state.rested.size() != records / kGroup || state.contacts.particles() != n) {
     throw InvalidParameter("state", fmt::format("{} particles", state.particles()),
-                           fmt::format("of this bed's {} particles", n));
+                           fmt::format("the state of this bed with {} particles", n));
   }
   if (state.remainder.size() != own.remainder.size()) {
-    throw InvalidParameter("state", state.remainder.empty() ? "of a narrow box" : "of a wide box",
-                           "of a box like this");
+    throw InvalidParameter("state", state.remainder.empty() ? "one for a narrow box" : "one for a wide box",
+                           "one for a box like this");
   }
 }
 
@@ -72,7 +72,7 @@ void requireFinite(const BedState& state) {
   for (const auto* records_of : {&state.position, &state.velocity, &state.reference_position, &state.rested_at,
                                  &state.tool_slip, &state.remainder}) {
     if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
-      throw InvalidParameter("state", "positions, velocities or slips that are no numbers", "finite");
+      throw InvalidParameter("state", "positions, velocities or slips that are not finite", "finite");
     }
   }
 }
@@ -90,13 +90,14 @@ void requireSameSizes(const BedState& state, const Bed& bed) {
   };
   for (const auto* records_of : {&state.position, &state.reference_position}) {
     if (!std::all_of(records_of->begin(), records_of->end(), fitting)) {
-      throw InvalidParameter("state", "particles of other sizes", "of this bed's size_spread and grading");
+      throw InvalidParameter("state", "particles of other sizes",
+                             "particles with the size_spread and grading of this bed");
     }
   }
   for (std::size_t i = 0; i < bed.particles(); ++i) {
     if (bed.classes().of(state.position[i].w) != bed.classOf(i) ||
         bed.classes().of(state.reference_position[i].w) != bed.classOf(i)) {
-      throw InvalidParameter("state", "grains of other classes", "of this bed's classes, grain by grain");
+      throw InvalidParameter("state", "particles of other classes", "particles of the classes of this bed, one by one");
     }
   }
 }
@@ -106,13 +107,13 @@ void requireSameHeld(const BedState& state, const BedState& own) {
   for (std::size_t i = 0; i < own.particles(); ++i) {
     if (state.isHeld(i) != own.isHeld(i)) {
       throw InvalidParameter("state", fmt::format("particle {} {}", i, state.isHeld(i) ? "held" : "free"),
-                             "of a bed that holds the same soil at its sides");
+                             "the state of a bed that holds the same soil at its sides");
     }
   }
   for (std::size_t group = 0; group < state.rested.size(); ++group) {
     if ((state.rested[group] == BedState::kAsleepForEver) != (own.rested[group] == BedState::kAsleepForEver)) {
-      throw InvalidParameter("state", fmt::format("group {} asleep otherwise", group),
-                             "asleep for ever where it is held");
+      throw InvalidParameter("state", fmt::format("group {} in another sleep state", group),
+                             "always asleep where it is held");
     }
   }
 }
@@ -124,7 +125,7 @@ void requireSlips(const BedState& state, bool has_contact_friction) {
       state.wall_slip.size() != (has_contact_friction ? paddedCount(n) / kGroup : 0) ||
       state.tool_slip.size() != (has_contact_friction ? n : 0)) {
     throw InvalidParameter("state", has_contact_friction ? "without a memory of friction" : "with a memory of friction",
-                           "of a bed with this bed's friction");
+                           "the state of a bed with the friction model of this bed");
   }
   const auto finite = [](float value) { return std::isfinite(value); };
   bool numbers = true;
@@ -208,8 +209,7 @@ void Bed::restore(const BedState& state) {
   if (!fits) {
     ContactLists own(n, hasContactFriction());
     (void)neighbourhood_.buildAll(state_.reference_position, own);  // the grid; it fitted when it was made
-    throw InvalidParameter("state",
-                           entered ? "neighbours that do not fit its places" : "a bed that has collapsed onto itself",
+    throw InvalidParameter("state", entered ? "neighbours that do not match its positions" : "a collapsed bed",
                            entered ? "as it was saved" : "particles apart from each other");
   }
   state_.step = state.step;  // piece by piece: what is reserved stays reserved

@@ -97,7 +97,7 @@ ContactLists takeContacts(std::string_view& bytes, const Header& header) {
     }
   }
   if (left != 0) {
-    throw Failure("this saved bed is damaged: its lists of neighbours are cut short");
+    throw Failure("this saved bed is damaged: its neighbour lists are truncated");
   }
   return contacts;
 }
@@ -154,11 +154,11 @@ std::string serialise(const BedState& state) {
 BedState deserialiseBedState(std::string_view bytes) {
   Header header{};
   if (bytes.size() < sizeof header) {
-    throw Failure("this is no saved bed: it is shorter than the header");
+    throw Failure("not a saved bed: shorter than the header");
   }
   std::memcpy(&header, bytes.data(), sizeof header);
   if (std::memcmp(header.magic, kBedMagic, sizeof kBedMagic) != 0 && !isWide(header)) {
-    throw Failure("this is no saved bed, or one of another version");
+    throw Failure("not a saved bed, or saved by another version");
   }
   bytes.remove_prefix(sizeof header);
   const std::uint64_t n = header.particles;
@@ -166,7 +166,7 @@ BedState deserialiseBedState(std::string_view bytes) {
   const bool possible = header.particles <= kMost && header.contacts <= kMost &&
                         (header.remembered == 0 || header.remembered == header.particles);
   if (!possible || bytes.size() != bytesAfter(header)) {
-    throw Failure("this saved bed is damaged: its length does not fit its number of particles");
+    throw Failure("this saved bed is damaged: its length does not match its number of particles");
   }
   BedState state;
   state.step = header.step;
@@ -216,7 +216,7 @@ SavedBed deserialiseSavedBed(std::string_view bytes) {
     bytes.remove_prefix(kHeader);
   }
   if (near > bytes.size() / sizeof(std::uint32_t)) {
-    throw Failure("this saved bed is damaged: it is shorter than it says");
+    throw Failure("this saved bed is damaged: it is shorter than its header states");
   }
   take(bytes, saved.near_groups, near);
   if (bytes.starts_with(kStonesFollow)) {
@@ -226,7 +226,7 @@ SavedBed deserialiseSavedBed(std::string_view bytes) {
       take(bytes, length, 1);
     }
     if (length[0] > bytes.size()) {
-      throw Failure("this saved bed is damaged: its stones are cut short");
+      throw Failure("this saved bed is damaged: its stones are truncated");
     }
     saved.stones = deserialiseStones(bytes.substr(0, length[0]));
     bytes.remove_prefix(length[0]);

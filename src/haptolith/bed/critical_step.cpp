@@ -109,16 +109,16 @@ int substepsFor(const SoilParameters& soil, double tool_stiffness_n_m, double ti
     if (softest > soil.stiffness_n_m) {  // it is cohesion that is too stiff
       throw InvalidParameter(
           "contact_cohesion_n", fmt::format("{:g}", soil.contact_cohesion_n),
-          fmt::format("<= {:.4g} with this range and macroparticles of {:g} mm (max_substeps = {})",
+          fmt::format("<= {:.4g} with this range and particles of R = {:g} mm (max_substeps = {})",
                       softest * soil.cohesion_range_ratio * soil.radius_m / 4, 1e3 * soil.radius_m, max_substeps));
     }
     throw InvalidParameter(
         "stiffness_n_m", fmt::format("{:g}", soil.stiffness_n_m),
-        softest > 0 ? fmt::format("<= {:.4g} for macroparticles of {:g} mm ({:g} g), which would "
-                                  "else need {:g} substeps a tick (max_substeps = {})",
+        softest > 0 ? fmt::format("<= {:.4g} for particles of R = {:g} mm ({:g} g); this value needs {:g} substeps per "
+                                  "tick (max_substeps = {})",
                                   softest, 1e3 * soil.radius_m, 1e3 * macroparticleMass(soil), needed, max_substeps)
-                    : fmt::format("paired with a softer tool, larger macroparticles or more "
-                                  "substeps: {:g} would be needed (max_substeps = {})",
+                    : fmt::format("combined with a softer tool, larger particles or more substeps: {:g} substeps are "
+                                  "needed (max_substeps = {})",
                                   needed, max_substeps));
   }
   return std::max(1, static_cast<int>(needed));
@@ -289,10 +289,9 @@ int substepsFor(const BedParameters& bed, double tool_stiffness_n_m) {
     const double least_m = leastStone(bed, stone.size_m, tool_stiffness_n_m, bed.max_substeps / bed.tick_s);
     throw InvalidParameter(
         stone.key, fmt::format("{:.4g}", 1e3 * stone.size_m),
-        fmt::format(
-            ">= {:.3g} (mm, the ball of its volume) at {:g} kg/m3 among macroparticles of {:g} mm: one so light "
-            "would need {:g} substeps a tick (max_substeps = {})",
-            1e3 * least_m, bed.stones.density_kg_m3, 1e3 * bed.soil.radius_m, needed, bed.max_substeps));
+        fmt::format(">= {:.3g} (mm, sphere of equal volume) at {:g} kg/m3 among particles of R = {:g} mm: a lighter "
+                    "stone needs {:g} substeps per tick (max_substeps = {})",
+                    1e3 * least_m, bed.stones.density_kg_m3, 1e3 * bed.soil.radius_m, needed, bed.max_substeps));
   }
   return std::max(for_soil, static_cast<int>(needed));
 }

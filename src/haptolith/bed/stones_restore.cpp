@@ -76,7 +76,8 @@ void Stones::requireSound(const StonesState& saved, std::size_t particles) const
             (slip.with != StoneSlip::With::kStone || (slip.other > slip.stone && slip.other < size()));
   }
   if (!sound) {
-    throw InvalidParameter("state", "stones that are not of this bed, or nowhere", "this bed's stones, finite");
+    throw InvalidParameter("state", "stones of another bed, or without a finite position",
+                           "the stones of this bed, with finite positions");
   }
 }
 

@@ -43,7 +43,7 @@ Record recordOf(const StoneState& stone) noexcept {
 template <class Value>
 Value take(std::string_view& bytes) {
   if (bytes.size() < sizeof(Value)) {
-    throw Failure("these saved stones are cut short");
+    throw Failure("these saved stones are truncated");
   }
   Value value;
   std::memcpy(&value, bytes.data(), sizeof value);
@@ -81,13 +81,13 @@ std::string serialise(const StonesState& state) {
 
 StonesState deserialiseStones(std::string_view bytes) {
   if (take<std::array<char, 8>>(bytes) != kStonesMagic) {
-    throw Failure("these are no saved stones, or of another version");
+    throw Failure("not saved stones, or saved by another version");
   }
   const auto stones = take<std::uint64_t>(bytes);
   const auto slips = take<std::uint64_t>(bytes);
   if (stones > bytes.size() / sizeof(Record) || slips != (bytes.size() - stones * sizeof(Record)) / sizeof(StoneSlip) ||
       bytes.size() != stones * sizeof(Record) + slips * sizeof(StoneSlip)) {
-    throw Failure("these saved stones are damaged: their length does not fit their number");
+    throw Failure("these saved stones are damaged: their length does not match their number");
   }
   StonesState state;
   for (std::uint64_t i = 0; i < stones; ++i) {

@@ -25,7 +25,7 @@ std::int32_t failedByException() noexcept {
   } catch (const std::exception& error) {
     return failed(HAPTO_FAILURE, error.what());
   } catch (...) {
-    return failed(HAPTO_FAILURE, "something that is no exception was thrown");
+    return failed(HAPTO_FAILURE, "an unknown exception was thrown");
   }
 }
 

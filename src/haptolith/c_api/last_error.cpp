@@ -90,17 +90,17 @@ const char* hapto_status_text(std::int32_t status) {
   switch (status) {
     case HAPTO_OK: return "ok";
     case HAPTO_INVALID_PARAMETER: return "a value is not valid";
-    case HAPTO_FAILURE: return "the work could not be done";
+    case HAPTO_FAILURE: return "the operation failed";
     case HAPTO_STOPPED: return "stopped by the progress function";
-    case HAPTO_NOT_FINITE: return "a position or velocity is no longer a number: set another state";
-    case HAPTO_COLLAPSED: return "the bed has collapsed onto itself: set another state";
+    case HAPTO_NOT_FINITE: return "a position or velocity is not finite: set another state";
+    case HAPTO_COLLAPSED: return "the bed collapsed: set another state";
     case HAPTO_BUSY: return "another thread or a loop is using this handle";
-    case HAPTO_DESTROYED: return "this is no handle of the kind that is wanted, or it has been destroyed";
-    case HAPTO_NULL: return "a pointer that must not be NULL is";
-    case HAPTO_WRONG_SIZE: return "a struct's member `size` is less than sizeof the struct in its first version";
+    case HAPTO_DESTROYED: return "the handle is of another type, or it was destroyed";
+    case HAPTO_NULL: return "a required pointer is NULL";
+    case HAPTO_WRONG_SIZE: return "the member `size` of a struct is less than sizeof the struct in its first version";
     case HAPTO_TOO_SMALL: return "the buffer is too small";
     case HAPTO_NO_MEMORY: return "there is not enough memory";
     case HAPTO_ENDED: return "the loop has ended";
-    default: return "a status that this version does not know";
+    default: return "a status that is unknown to this version";
   }
 }

@@ -41,7 +41,7 @@ class CallersDevice final : public HapticDevice {
       throw InvalidParameter(device.read == nullptr ? "device.read" : "device.write", "NULL", "a function");
     }
     if (name_ == VirtualHand::kName) {  // whose poses are the scene's: a replay goes by the name
-      throw InvalidParameter("device.name", fmt::format("'{}'", name_), "another than the virtual hand's");
+      throw InvalidParameter("device.name", fmt::format("'{}'", name_), "a name other than the virtual hand's");
     }
     told_.size = sizeof told_;
     told_.pose.orientation[0] = 1;
@@ -117,9 +117,8 @@ class Loop {
         parameters_(pacedBy(scene_file_.loop, ticked_by_caller_)),
         start_tick_(scene_->startTick()) {
     if (!ticked_by_caller_ && !parameters_.paced && !device_->simulated()) {
-      throw InvalidParameter(
-          "loop.paced", "false",
-          "true while a person may hold the device: what a hand feels must keep time with the clock");
+      throw InvalidParameter("loop.paced", "false",
+                             "true with a haptic device: forces on a hand must be rendered in real time");
     }
     const double surface_m = *scene_file_.hand.surface_m;
     loop_.emplace(scene_->scene(), *device_, parameters_, keeps_ticks_,
@@ -143,8 +142,8 @@ class Loop {
 
   void start() {
     if (ticked_by_caller_ || started_) {
-      throw InvalidParameter("loop", ticked_by_caller_ ? "ticked by its caller" : "started already",
-                             "started once, if hapto_loop_tick() does not tick it");
+      throw RefusedAction("loop", ticked_by_caller_ ? "cannot start the loop: hapto_loop_tick() ticks it"
+                                                    : "cannot start the loop: it was already started");
     }
     started_ = true;
     thread_.emplace(*loop_, parameters_, stop_asked_);
@@ -222,7 +221,7 @@ class Loop {
 
   void takeTicks(std::span<hapto_tick> out, std::uint64_t& count, std::uint64_t* lost) {
     if (!keeps_ticks_) {
-      throw InvalidParameter("loop", "made without HAPTO_LOOP_KEEPS_TICKS", "made with it");
+      throw RefusedAction("loop", "cannot take ticks: the loop was made without HAPTO_LOOP_KEEPS_TICKS");
     }
     loop_->takeRecords(taken_);
     const std::size_t now = std::min(out.size(), taken_.size());
@@ -276,7 +275,7 @@ class Loop {
  private:
   void ask(const LoopRequest& request) {
     if (!loop_->ask(request)) {
-      throw Failure("too much is asked for at once: try again");
+      throw Failure("too many requests at once: try again");
     }
   }
 

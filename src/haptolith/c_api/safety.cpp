@@ -78,7 +78,7 @@ std::int32_t hapto_safety_create(const hapto_device_limits* declared, const char
     SceneFile rest = changed(SceneFile(), texts(overrides, count));
     const SafetyParameters safety = std::exchange(rest.handling.safety, {});
     if (!(rest == SceneFile())) {
-      throw InvalidParameter("overrides", fmt::format("{} keys", count), "of [safety] only");
+      throw InvalidParameter("overrides", fmt::format("{} keys", count), "keys of [safety] only");
     }
     *out = Places<hapto_safety>::take(
         std::make_unique<SafetyLayer>(safety, limits(*declared), declared->simulated != 0, stiffness_n_m, tick_s));

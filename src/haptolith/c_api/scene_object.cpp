@@ -146,7 +146,7 @@ SceneObject::Saved SceneObject::parsed(std::string_view bytes) {
   const Header expected;
   Header header;
   if (bytes.size() < sizeof header || std::memcmp(bytes.data(), expected.magic.data(), expected.magic.size()) != 0) {
-    throw Failure("this is no saved scene");
+    throw Failure("not a saved scene");
   }
   std::memcpy(&header, bytes.data(), sizeof header);
   bytes.remove_prefix(sizeof header);
@@ -158,9 +158,8 @@ SceneObject::Saved SceneObject::parsed(std::string_view bytes) {
   header.instruction_set.back() = '\0';
   if (header.instruction_set != instructionSet()) {
     throw Failure(
-        fmt::format("this scene was saved with the instruction set {}, and would go on with other bits on {}; set "
-                    "HAPTOLITH_SIMD={} "
-                    "if this machine has it",
+        fmt::format("this scene was saved with the instruction set {}; on {} the result would differ; set "
+                    "HAPTOLITH_SIMD={} if this machine supports it",
                     header.instruction_set.data(), simdTarget(), header.instruction_set.data()));
   }
   const std::uint64_t left = bytes.size();
@@ -186,8 +185,9 @@ void SceneObject::restore(std::string_view bytes) {
       withChangesOf(now, scene_file_) == scene_file_ && saved.made_of == made_of_ &&
       substepsFor(madeOf(now, made_of_).bed, stiffnessInStep(now.tool, made_of_.friction)) == scene_->substeps();
   if (!same_bed) {
-    throw InvalidParameter("state", fmt::format("of the scene '{}'", now.title),
-                           "of a scene made with the same parameters; hapto_scene_from_state() makes another scene");
+    throw InvalidParameter(
+        "state", fmt::format("the state of scene '{}'", now.title),
+        "the state of a scene with the same parameters; hapto_scene_from_state() makes another scene");
   }
   const Saved before{condition_, opening_, made_of_, scene_file_, scene_->save()};
   try {
@@ -255,17 +255,17 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
   SceneFile rest = withChangesOf(wanted, scene_file_);
   if (!(rest == scene_file_)) {
     throw InvalidParameter("overrides", fmt::format("{} keys", overrides.size()),
-                           "of [soil], [gravity] and [tool] only; anything else needs another scene");
+                           "keys of [soil], [gravity] and [tool] only; other changes need another scene");
   }
   if (wanted.bed.threads != scene_file_.bed.threads) {
     throw InvalidParameter("bed.threads", fmt::format("{}", wanted.bed.threads),
-                           fmt::format("{} for as long as the scene lives", scene_file_.bed.threads));
+                           fmt::format("{} during the lifetime of the scene", scene_file_.bed.threads));
   }
   const double stiffness_n_m = stiffnessInStep(wanted.tool, wanted.bed.soil.friction);
   if (!(wanted.tool == scene_file_.tool)) {
     if (substepsFor(madeOf(wanted, made_of_).bed, stiffness_n_m) != scene_->substeps()) {
       throw InvalidParameter("tool.stiffness_n_m", fmt::format("{}", wanted.tool.stiffness_n_m),
-                             "as stiff as the tool before it: another number of steps in a tick needs another scene");
+                             "the stiffness of the present tool: another number of steps per tick needs another scene");
     }
     changes.tool = wanted.tool;
   }
@@ -273,10 +273,9 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
     BedParameters made = scene_file_.bed;
     made.soil = made_of_;
     if (!isCompatible(made, wanted.bed.soil, stiffness_n_m)) {
-      throw InvalidParameter(
-          "soil", wanted.soil_name.empty() ? wanted.preset : wanted.soil_name,
-          "a soil whose grains have the size, mass and model of friction of those that lie there, and "
-          "with which neither they nor stones need more steps in a tick; another needs another scene");
+      throw InvalidParameter("soil", wanted.soil_name.empty() ? wanted.preset : wanted.soil_name,
+                             "a soil with the same particle size, mass, friction model and number of steps per tick; "
+                             "another soil needs another scene");
     }
     changes.laws.emplace(wanted.bed.soil, grainClasses(wanted.bed));
   }

@@ -104,8 +104,7 @@ std::int32_t hapto_soil_get(const hapto_soil* soil, const char* key, double* out
 std::int32_t hapto_soil_get_toml(const hapto_soil* soil, char* text, std::uint64_t capacity, std::uint64_t* needed) {
   return with(soil, soil, "soil", [&](const NamedSoil& object) -> std::int32_t {
     if (!object.file) {
-      throw InvalidParameter("soil", object.name,
-                             "a soil of which something was measured, not one of the paper's presets");
+      throw InvalidParameter("soil", object.name, "a soil with measured properties, not a preset");
     }
     const std::string toml = soilFileText(*object.file);
     return handOut({toml.c_str(), toml.size() + 1}, text, capacity, needed);

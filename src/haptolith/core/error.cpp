@@ -42,6 +42,12 @@ InvalidParameter::InvalidParameter(std::string key, std::string value, std::stri
       value_(std::move(value)),
       valid_(std::move(valid)) {}
 
+InvalidParameter::InvalidParameter(const std::string& message, std::string key, std::string value, std::string valid)
+    : std::invalid_argument(message), key_(std::move(key)), value_(std::move(value)), valid_(std::move(valid)) {}
+
+RefusedAction::RefusedAction(std::string action, const std::string& message)
+    : InvalidParameter(printable(message), std::move(action), "", printable(message)) {}
+
 InvalidParameter::InvalidParameter(std::string key, double value, const Range& range)
     : InvalidParameter(std::move(key), fmt::format("{}", value), range.text()) {
   out_of_range_ = {value, range};

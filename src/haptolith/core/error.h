@@ -43,9 +43,21 @@ class InvalidParameter : public std::invalid_argument {
   };
   [[nodiscard]] const std::optional<OutOfRange>& outOfRange() const noexcept { return out_of_range_; }
 
+ protected:
+  /// @param message  replaces "KEY = VALUE is not valid: must be VALID".
+  InvalidParameter(const std::string& message, std::string key, std::string value, std::string valid);
+
  private:
   std::string key_, value_, valid_;
   std::optional<OutOfRange> out_of_range_;
+};
+
+/// An action that is refused in the present state, or a key that is missing: reports `message` alone, for example
+/// "nothing to undo: the bed has not been changed". Exit status 2.
+class RefusedAction : public InvalidParameter {
+ public:
+  /// @param action  the action or key, for key().
+  RefusedAction(std::string action, const std::string& message);
 };
 
 /// States the valid range of a parameter in the unit of its key, although the program keeps it in SI:

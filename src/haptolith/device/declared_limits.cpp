@@ -74,7 +74,7 @@ DeclaredLimits limitsOf(std::string_view text) try {
   }
   return declared;
 } catch (const LimitsJson::exception& error) {
-  throw Failure(fmt::format("what the recorded device declared cannot be read: {}", error.what()));
+  throw Failure(fmt::format("cannot read the limits of the recorded device: {}", error.what()));
 }
 
 }  // namespace haptolith

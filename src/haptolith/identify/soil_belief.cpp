@@ -66,14 +66,12 @@ SoilBelief SoilIdentifier::identify(const MeasuredForces& forces, double gravity
     throw InvalidParameter("windows in which the tool is in soil", "0", "1 or more");
   }
   if (!emulator_.isAboveNoise(forces, gravity_m_s2)) {
-    throw InvalidParameter("force where the tool is in soil", "within the sensor's noise, all the time",
-                           "that of the soil on the tool; the soil is not identified: is the sensor's column empty, or "
-                           "the tool above the soil (--origin-mm)?");
+    throw InvalidParameter("force where the tool is in soil", "always within the noise of the sensor",
+                           "the force of the soil on the tool; check the columns of the sensor and --origin-mm");
   }
   if (pushesTheWrongWay(observed, emulator_, prior)) {
-    throw InvalidParameter("force where the tool is in soil", "against what soil does to this tool",
-                           "that of the soil on the tool, in the axes of the poses; the soil is not identified: is the "
-                           "sign that of the tool on the soil?");
+    throw InvalidParameter("force where the tool is in soil", "opposite to the force of soil on this tool",
+                           "the force of the soil on the tool, in the axes of the poses; check the sign");
   }
   return beliefOf(forces, emulator_, temper_, gravity_m_s2, prior);
 }

@@ -32,18 +32,17 @@ HeldForce heldForce(std::span<const MeasuredSample> samples, const char* key, co
       (time_s.lowest < samples.front().time_s - kEnd_s || time_s.highest > samples.back().time_s + kEnd_s)) {
     throw InvalidParameter(
         key, when,
-        fmt::format("within what was measured: {:g} to {:g} s", samples.front().time_s, samples.back().time_s));
+        fmt::format("within the measured time: {:g} to {:g} s", samples.front().time_s, samples.back().time_s));
   }
   if (time_s.highest - time_s.lowest < kLeastTime_s || to - from < kLeastWeighings) {
-    throw InvalidParameter(key, when,
-                           fmt::format("half a second or more in which {} forces were measured", kLeastWeighings));
+    throw InvalidParameter(key, when, fmt::format("at least half a second with {} measured forces", kLeastWeighings));
   }
   const std::span<const MeasuredSample> held(from, to);
   if (std::ranges::any_of(held, [&](const MeasuredSample& sample) {
         return (sample.pose.position_m - held.front().pose.position_m).norm() > kStill_m ||
                sample.pose.orientation.angularDistance(held.front().pose.orientation) > kStill_rad;
       })) {
-    throw InvalidParameter(key, when, "a time in which the tool was held still, to 1 mm and 1 degree");
+    throw InvalidParameter(key, when, "a time in which the tool is held still, within 1 mm and 1 degree");
   }
   std::array<double, kBatches> means_n{};
   for (std::size_t batch = 0; batch < kBatches; ++batch) {
@@ -107,13 +106,13 @@ SoilEstimate massOf(const ScoopMass& scoop) {
 void requireMeasurable(const ScoopMass& scoop) {
   const auto [low_kg, middle_kg, high_kg] = massOf(scoop);
   if (high_kg <= 0) {
-    throw Failure(fmt::format("the scoop was lighter full than empty, by {:.3g} g: are the times the other way round?",
+    throw Failure(fmt::format("the full scoop is lighter than the empty scoop, by {:.3g} g: are the times swapped?",
                               -1e3 * middle_kg));
   }
   if (low_kg <= 0) {
     throw Failure(
-        fmt::format("the mass is not measurable: {:.3g} to {:.3g} g (90 %), so the scoop may be as full as it "
-                    "was empty; hold it still for longer, or lift more",
+        fmt::format("the mass is not measurable: {:.3g} to {:.3g} g (90 %) includes 0; hold the scoop still for "
+                    "longer, or lift more soil",
                     1e3 * low_kg, 1e3 * high_kg));
   }
 }

@@ -79,7 +79,8 @@ double reachOf(const Bed& bed, const GranularLaw& law, double more_m) {
 /// restForce() of each sum of two bins.
 std::string tableText(const Bed& bed, const GranularLaw& law, const SizeBins& bins) {
   constexpr int kRows = 2000;
-  std::string text = "# What `granular` lacks of haptolith's contact law, over the distance of two grains.\n";
+  std::string text =
+      "# Difference between haptolith's contact law and `granular`, over the distance of two particles.\n";
   for (int both = 0; both <= 2 * (bins.count() - 1); ++both) {
     const double more_m = bins.more(both);
     const double first_m = bed.law().diameter_m / 2, last_m = reachOf(bed, law, more_m);
@@ -162,33 +163,29 @@ std::string dataText(const Bed& bed, const LammpsRun& run, const LammpsFiles& fi
 
 std::string remarks(const GranularLaw& law, const ToolSpheres& spheres) {
   std::string text =
-      "# The same as in haptolith: places and masses; grains that do not turn; gravity; walls and floor, which\n"
-      "# answer like a grain's mirror image; Cundall and Strack's friction; the step.\n";
+      "# As in haptolith: positions and masses; particles without rotation; gravity; walls and floor, which\n# act as "
+      "mirror images of particles; Cundall and Strack's friction; the time step.\n";
   if (law.own) {
     text +=
-        "# The same, too: sizes, and the law of contacts, damping and cohesion, at walls as well.\n"
-        "# Radii are larger here than the grains' are by half of how far cohesion reaches; soil.lammpstrj has the "
-        "grains'.\n";
+        "# Also as in haptolith: sizes, and the law of contacts, damping and cohesion, including walls.\n# Radii are "
+        "increased by half the range of cohesion; soil.lammpstrj has the true radii.\n";
   } else if (law.exact) {
-    text += "# The same, too: sizes, and the law of contacts, a spring and a damper that never pulls.\n";
+    text += "# Also as in haptolith: sizes, and the contact law, a spring and a damper without tension.\n";
   } else {
     text += fmt::format(
-        "# The same but for the sizes, which are eleven at most: what acts along the normal, of Hertz' law and a "
-        "table.\n"
-        "# NEARLY: what limits friction is Hertz' part, which is off by {:.0f} % (RMS) in this bed as it lies; walls "
-        "are\n"
-        "# springs that do not cohere. docs/reports/lammps.md reports the effect on the soil's strength.\n",
+        "# As in haptolith except for the sizes, of which there are at most eleven: the normal force, from Hertz' law "
+        "and a table.\n# APPROXIMATE: the friction limit uses Hertz' part, with an error of {:.0f} % (RMS) in this "
+        "bed; walls are\n# springs without cohesion. Effect on the strength of the soil: docs/reports/lammps.md\n",
         100 * law.spread_of_fit);
   }
   if (!law.own) {
-    text += "# Not the same: where a contact slides, LAMMPS puts the damper's force into the spring.\n";
+    text += "# Different: in a sliding contact, LAMMPS adds the damper's force to the spring.\n";
   }
-  text += "# What contacts remember of slipping begins anew.\n";
+  text += "# The slip of contacts restarts at zero.\n";
   if (!spheres.centres_tool_m.empty()) {
     text += fmt::format(
-        "# The tool is {} spheres of {:.3g} mm just under its surface, as soft as makes those that a grain touches as "
-        "stiff as\n"
-        "# the tool, where it is pressed in by a twentieth of its radius.\n",
+        "# The tool is {} spheres of R = {:.3g} mm just under its surface, with a stiffness that matches the tool\n# "
+        "at an overlap of a twentieth of the radius.\n",
         spheres.centres_tool_m.size(), 1e3 * spheres.radius_m);
   }
   return text;
@@ -202,13 +199,12 @@ std::string setupText(const Bed& bed, const LammpsRun& run, const LammpsFiles& f
   const Vec3& gravity = parameters.gravity_m_s2;
   const Box box = boxOf(parameters);
   std::string text = fmt::format(
-      "# '{}', by {}\n# LAMMPS {}, with the package GRANULAR: lmp -in "
-      "in.haptolith\n"
-      "#                                                   mpirun -np 4 lmp -in in.haptolith\n"
-      "# SI units. z is up, the floor at z = 0, x = y = 0 in the middle of the box.\n{}",
+      "# '{}', by {}\n# LAMMPS {}, with the package GRANULAR: lmp -in in.haptolith\n#                                  "
+      "                 mpirun -np 4 lmp -in in.haptolith\n# SI units. z is up, the floor at z = 0, x = y = 0 at the "
+      "centre of the box.\n{}",
       plainText(run.title), plainText(run.program),
-      law.own ? "of 2023 or newer that has haptolith's law built in (extras/lammps)"
-              : "of September 2021 (Debian 12) or newer",
+      law.own ? "2023 or newer, built with haptolith's contact law (extras/lammps)"
+              : "September 2021 (Debian 12) or newer",
       remarks(law, spheres));
   const auto add = [&text]<class... Args>(fmt::format_string<Args...> format, Args&&... args) {
     fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);

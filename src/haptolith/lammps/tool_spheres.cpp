@@ -105,8 +105,8 @@ ToolSpheres toolSpheres(const ToolParameters& tool, double opening_m, double mos
     const double longest_m = std::max({along.norm(), across.norm(), (across - along).norm()});
     const auto steps = static_cast<std::size_t>(std::ceil(longest_m / (0.9 * radius_m)));
     if (steps * steps / 2 + spheres.centres_tool_m.size() > kMostSpheres) {
-      throw InvalidParameter("tool", "so large beside the soil's grains",
-                             fmt::format("one that {} spheres of {:.3g} mm cover", kMostSpheres, 1e3 * radius_m));
+      throw InvalidParameter("tool", "too large compared with the particles",
+                             fmt::format("a tool that {} spheres of {:.3g} mm cover", kMostSpheres, 1e3 * radius_m));
     }
     const Vec3 inwards = -normal.normalized();
     for (std::size_t i = 0; i <= steps; ++i) {

@@ -28,13 +28,13 @@ std::string deadlineAdvice(const LoopStatistics& statistics, std::string_view co
   };
   constexpr double kWorth_percent = 100 * kMissesWorthAdvice;
   if (soil >= machine && soil > 0 && percent(soil) > kWorth_percent) {
-    return fmt::format("the soil is too fine for this machine: {} of ticks took too long; try: {}", written(soil),
-                       coarser);
+    return fmt::format("the particles are too small for this machine: {} of ticks took too long; try: {}",
+                       written(soil), coarser);
   }
   if (machine > soil && percent(machine) > kWorth_percent) {
     return fmt::format(
-        "other programs, or the host of a virtual machine, take the processor: {} of ticks were woken late or "
-        "interrupted; see: haptolith doctor",
+        "other programs or the host of a virtual machine use the CPU: {} of ticks were woken late or interrupted; see: "
+        "haptolith doctor",
         written(machine));
   }
   return "";

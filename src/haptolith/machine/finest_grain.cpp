@@ -81,7 +81,7 @@ double slowTickUs(Scene& scene, const LoopParameters& loop, const std::atomic<bo
     const std::int64_t start_ns = monotonicNs();
     if (const StepStatus status = scene.tick(stirring(scene, surface_m, ++ticks * loop.tick_s));
         status != StepStatus::kOk) {
-      throw Failure(fmt::format("the machine could not be measured: {}", text(status)));
+      throw Failure(fmt::format("cannot measure this machine: {}", text(status)));
     }
     return kSettledShare * 1e-3 * static_cast<double>(monotonicNs() - start_ns);
   };
@@ -181,7 +181,7 @@ FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, co
     }
   }
   if (possible.empty()) {
-    throw Failure(fmt::format("no grains of {:g} to {:g} mm fit this bed: {}", 1e3 * kGrainRadii_m.back(),
+    throw Failure(fmt::format("no particles of R = {:g} to {:g} mm fit this bed: {}", 1e3 * kGrainRadii_m.back(),
                               1e3 * kGrainRadii_m.front(), why));
   }
   const int most_threads = threads.back();

@@ -159,8 +159,10 @@ std::optional<FinestGrain> finestIn(std::string_view kept, std::string_view key)
 
 FinestGrain fitToMachine(SceneFile& scene_file, const MachineFitOptions& options, const std::atomic<bool>& stop) {
   if (!canBeFitted(scene_file)) {
-    throw InvalidParameter("finest", fmt::format("'{}'", scene_file.title),
-                           "a scene whose bed starts as settled, of particles of one size");
+    throw RefusedAction("finest",
+                        fmt::format("cannot choose the finest particles of '{}': the bed must start as settled, "
+                                    "with particles of one size",
+                                    scene_file.title));
   }
   std::vector<int> threads{options.threads.value_or(1)};
   if (const int more = loopThreads(); !options.threads && more > 1) {
@@ -194,19 +196,20 @@ std::string text(const FinestGrain& finest, std::size_t particles) {
   const GrainTrial& chosen = finest.chosen;
   const std::string soil =
       fmt::format("{:g} mm particles on {}", inUnits(chosen.radius_m, 1e-3), pluralise(chosen.threads, "thread"));
-  const auto tick = [](const GrainTrial& trial) { return fmt::format("{:.2g} ms a tick", 1e-3 * trial.tick_us_p99); };
+  const auto tick = [](const GrainTrial& trial) { return fmt::format("{:.2g} ms per tick", 1e-3 * trial.tick_us_p99); };
   if (!finest.holds()) {
-    return fmt::format("{}: the coarsest soil, and its ticks may be late on this machine ({} particles; {} in a trial)",
-                       soil, particles, tick(chosen));
+    return fmt::format("{}: the coarsest soil; ticks can be late on this machine ({} particles; {} in a trial)", soil,
+                       particles, tick(chosen));
   }
   std::string finer;
   if (finest.too_slow) {
     const double finer_mm = inUnits(finest.too_slow->radius_m, 1e-3);
     finer = std::isinf(finest.too_slow->tick_us_p99)
-                ? fmt::format("; {:g} mm would need more than any machine has", finer_mm)
+                ? fmt::format("; {:g} mm exceeds any machine", finer_mm)
                 : fmt::format("; {:g} mm would need {}", finer_mm, tick(*finest.too_slow));
   }
-  return fmt::format("{}: the finest soil this machine renders in time ({} particles{})", soil, particles, finer);
+  return fmt::format("{}: the finest soil that this machine renders in real time ({} particles{})", soil, particles,
+                     finer);
 }
 
 }  // namespace haptolith

@@ -273,7 +273,7 @@ Check cpuCheck(const MachineFiles& files, std::vector<int> usable) {
   }
   if (usable.size() < 2) {
     check.verdict = Fitness::kImprovable;
-    check.remedy = online.size() < 2 ? "a machine, real or virtual, with more CPUs"
+    check.remedy = online.size() < 2 ? "a machine with more CPUs"
                                      : "start it without taskset, or in a container without --cpuset-cpus";
   }
   return check;

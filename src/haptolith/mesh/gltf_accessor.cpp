@@ -24,14 +24,14 @@ std::string embedded(const JsonValue& uri) {
   const std::size_t comma = text.find(',');
   const std::string_view head = std::string_view(text).substr(0, comma);
   if (!head.starts_with("data:")) {
-    uri.refuse(uri.given(), "data within the file: no other file is read here (export it as .glb, or as 'embedded')");
+    uri.refuse(uri.given(), "data inside the file: other files are not read (export as .glb, or as 'embedded')");
   }
   if (comma == std::string::npos || !head.ends_with(";base64")) {
     uri.refuse(uri.given(), "'data:...;base64,' and the data");
   }
   std::optional<std::string> bytes = fromBase64(std::string_view(text).substr(comma + 1));
   if (!bytes) {
-    uri.refuse("data that is no base64", "whole and in letters of base64");
+    uri.refuse("data that is not base64", "complete base64 data");
   }
   return *std::move(bytes);
 }
@@ -92,7 +92,7 @@ Buffers::Buffers(JsonValue file, std::optional<std::string_view> binary) : file_
     }
     const std::uint64_t length = buffer.at("byteLength").whole(kMostMeshBytes);
     if (length > bytes.size()) {
-      buffer.refuse(fmt::format("{} bytes", bytes.size()), fmt::format("as long as it says: {} bytes", length));
+      buffer.refuse(fmt::format("{} bytes", bytes.size()), fmt::format("as long as stated: {} bytes", length));
     }
     buffers_.push_back(bytes.substr(0, length));
   }

@@ -73,10 +73,10 @@ Chunks chunksOf(std::string_view bytes, const std::string& name, MeshNotes& note
   const std::size_t said = wordAt(bytes, 8);
   if (said > bytes.size()) {
     throw InvalidParameter(name, fmt::format("{} bytes", bytes.size()),
-                           fmt::format("the {} bytes that it says it has (was it cut off?)", said));
+                           fmt::format("the {} bytes that its header states (is it truncated?)", said));
   }
   if (said < bytes.size()) {
-    notes.push_back(fmt::format("{} bytes behind its end are left out", bytes.size() - said));
+    notes.push_back(fmt::format("{} bytes after its end are ignored", bytes.size() - said));
     bytes = bytes.substr(0, said);
   }
   Chunks chunks;
@@ -127,7 +127,7 @@ class GltfReader {
     if (file_.has("extensionsRequired")) {
       for (const JsonValue& extension : file_.at("extensionsRequired").list()) {
         if (!isKnown(extension.text())) {
-          extension.refuse(extension.given(), "nothing that changes the shape: export without compression");
+          extension.refuse(extension.given(), "no extension that changes the shape: export without compression");
         }
       }
     }
@@ -211,7 +211,7 @@ class GltfReader {
       Eigen::Affine3d transform;
       transform.matrix() = Eigen::Map<const Eigen::Matrix4d>(columns.data());
       if (transform.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
-        node.at("matrix").refuse("a projection", "of a last row of 0 0 0 1");
+        node.at("matrix").refuse("a projection", "a matrix with the last row 0 0 0 1");
       }
       return transform;
     }
@@ -220,7 +220,7 @@ class GltfReader {
     const auto [sx, sy, sz] = numbersOr<3>(node, "scale", {1, 1, 1});
     const Quat rotation(qw, qx, qy, qz);
     if (!isUnit(rotation)) {
-      node.at("rotation").refuse(fmt::format("of length {}", rotation.norm()), "of length 1");
+      node.at("rotation").refuse(fmt::format("a quaternion of length {}", rotation.norm()), "a quaternion of length 1");
     }
     return Eigen::Translation3d(x, y, z) * rotation.normalized() * Eigen::Scaling(sx, sy, sz);
   }
@@ -282,13 +282,13 @@ class GltfReader {
 
   void noteLeftOut() {
     if (has_skin_) {
-      notes_.emplace_back("bones (skins) are left out: the mesh is as it was modelled, not as its skeleton holds it");
+      notes_.emplace_back("bones (skins) are ignored: the mesh has its modelled shape");
     }
     if (has_morph_targets_) {
-      notes_.emplace_back("morph targets are left out: the mesh is as it is without them");
+      notes_.emplace_back("morph targets are ignored: the mesh has its base shape");
     }
     if (has_lines_) {
-      notes_.emplace_back("points and lines are left out");
+      notes_.emplace_back("points and lines are ignored");
     }
   }
 
@@ -330,7 +330,7 @@ std::filesystem::path fileNamedBy(const JsonValue& uri) {
   const bool leads_out = std::ranges::any_of(path, [](const auto& part) { return part == ".."; });
   const bool has_scheme = text.find(':') != std::string::npos;
   if (name.empty() || path.is_absolute() || leads_out || has_scheme || name.find('\0') != std::string::npos) {
-    uri.refuse(uri.given(), "the name of a file in the folder of this one, or below it");
+    uri.refuse(uri.given(), "the name of a file in the folder of this file, or below it");
   }
   return path;
 }

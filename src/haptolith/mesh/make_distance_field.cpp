@@ -405,7 +405,7 @@ DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOpt
   requireInRange("band_m", options.band_m, kFieldBand_m);
   requireInRange("threads", options.threads, {1, 1024});
   if (mended.mesh.triangles.empty() || mended.shells.size() != mended.mesh.triangles.size()) {
-    throw InvalidParameter("mesh", "without triangles", "a mesh from mend()");
+    throw InvalidParameter("mesh", "without triangles", "a repaired mesh");
   }
   const bool is_sheet = mended.sheet_thickness_m > 0;
   const TriangleTree tree(mended.mesh, options.threads);
@@ -423,7 +423,7 @@ DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOpt
     outer = outerSurface(mended, tree, options.spacing_m / 4, options.threads);
     throwIfStopped();
     if (outer->triangles.empty()) {
-      throw InvalidParameter("mesh", "parts that leave nothing between them", "a solid");
+      throw InvalidParameter("mesh", "parts without volume", "a solid");
     }
     outer_tree.emplace(*outer, options.threads);
   }
@@ -439,17 +439,16 @@ DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOpt
     spacing_m = options.spacing_m * std::pow(kWider, fits);
     const double most_mib = static_cast<double>(options.most_bytes) / (1 << 20);
     if (!maker.plan(spacing_m) || spacing_m > widest_m) {
-      throw InvalidParameter(
-          "spacing_m", fmt::format("{:.3g}", options.spacing_m),
-          fmt::format("at least {:.3g} to fit into {:.0f} MiB, and at most {:.3g} for walls {:.3g} mm thick: a "
-                      "narrower band or a smaller tool takes less",
-                      spacing_m, most_mib, widest_m, 1e3 * wall_m));
+      throw InvalidParameter("spacing_m", fmt::format("{:.3g}", options.spacing_m),
+                             fmt::format("at least {:.3g} to fit into {:.0f} MiB, and at most {:.3g} for walls {:.3g} "
+                                         "mm thick; use a narrower band or a smaller tool",
+                                         spacing_m, most_mib, widest_m, 1e3 * wall_m));
     }
   }
   DistanceField field = maker.make();
   if (spacing_m != options.spacing_m) {
     field.report_.push_back(
-        fmt::format("Distances are known every {:.3g} mm, since {:.3g} mm would take more than {:.0f} MiB.",
+        fmt::format("Distances are stored every {:.3g} mm, because {:.3g} mm would need more than {:.0f} MiB.",
                     1e3 * spacing_m, 1e3 * options.spacing_m, static_cast<double>(options.most_bytes) / (1 << 20)));
   }
   return field;

@@ -379,7 +379,8 @@ void requireSound(const TriangleMesh& mesh) {
   };
   if (!std::ranges::all_of(mesh.triangles, known) ||
       !std::ranges::all_of(mesh.points_m, [](const Vec3& point_m) { return point_m.allFinite(); })) {
-    throw InvalidParameter("mesh", "triangles without points, or points without a place", "indices of finite points");
+    throw InvalidParameter("mesh", "triangles without points, or points without a position",
+                           "indices of finite points");
   }
 }
 
@@ -404,25 +405,23 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
     tell(stitched, fmt::format("Joined {} on open edges to others within {:.2g} um.", pluralise(stitched, "point"),
                                1e6 * kStitch * size_m));
   }
-  tell(gone, fmt::format("Left out {} without area.", pluralise(gone, "triangle")));
+  tell(gone, fmt::format("Removed {} without area.", pluralise(gone, "triangle")));
   const Copies copies = dropCopies(mesh);
-  tell(copies.copies,
-       copies.two_sided
-           ? fmt::format("Left out {}: the surface was drawn from both sides.", pluralise(copies.copies, "triangle"))
-           : fmt::format("Left out {} of others.",
-                         copies.copies == 1 ? "1 copy" : fmt::format("{} copies", copies.copies)));
+  tell(copies.copies, copies.two_sided
+                          ? fmt::format("Removed {}: the surface had both sides.", pluralise(copies.copies, "triangle"))
+                          : fmt::format("Removed {} of others.",
+                                        copies.copies == 1 ? "1 copy" : fmt::format("{} copies", copies.copies)));
   tell(copies.inner_walls,
-       fmt::format("Left out {} inside, between parts that touch.", pluralise(copies.inner_walls, "wall triangle")));
+       fmt::format("Removed {} inside, between parts that touch.", pluralise(copies.inner_walls, "wall triangle")));
   const std::size_t loose = dropLooseParts(mesh);
-  tell(loose, fmt::format("Left out {} up to {:.2g} mm.", pluralise(loose, "loose part"), 1e3 * kLoosePart * size_m));
+  tell(loose, fmt::format("Removed {} up to {:.2g} mm.", pluralise(loose, "loose part"), 1e3 * kLoosePart * size_m));
   if (mesh.triangles.empty()) {
     throw InvalidParameter("mesh", "nothing with an area", "triangles that make up a surface");
   }
   throwIfStopped();
 
   Patches patches = turnNeighbours(mesh);
-  tell(patches.turned, fmt::format("Turned {} that looked the other way than the surface around.",
-                                   pluralise(patches.turned, "triangle")));
+  tell(patches.turned, fmt::format("Flipped {} with reversed orientation.", pluralise(patches.turned, "triangle")));
   throwIfStopped();
   const Holes holes = HoleCloser(mesh, patches.of, size_m, may_be_sheet).close();
   tell(holes.closed, fmt::format("Closed {} up to {:.3g} mm around.", pluralise(holes.closed, "opening"),
@@ -435,12 +434,12 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
                              fmt::format("a tool of at most {} closed parts", kMostShells));
     }
     const Turned turned = turnOutwards(mesh, shells);
-    tell(turned.parts, fmt::format("Turned {} inside out.", pluralise(turned.parts, "part")));
+    tell(turned.parts, fmt::format("Flipped {} that were inside out.", pluralise(turned.parts, "part")));
     tell(turned.cavities,
-         fmt::format("Kept {} as a cavity each, since they look inwards.", pluralise(turned.cavities, "inner part")));
+         fmt::format("Kept {} as cavities, because they face inwards.", pluralise(turned.cavities, "inner part")));
     mended.shells = shells.of;
     mended.shell_count = static_cast<int>(shells.as_in_file.size());
-    tell(may_be_sheet ? 1 : 0, "The surface is closed, so it is solid: the thickness of a sheet has no effect.");
+    tell(may_be_sheet ? 1 : 0, "The surface is closed and therefore solid: the sheet thickness has no effect.");
   } else if (may_be_sheet) {
     mended.sheet_thickness_m = options.sheet_thickness_m;
     mended.shells.assign(mesh.triangles.size(), 0);
@@ -448,17 +447,15 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
     mended.report.push_back(
         fmt::format("The surface is open: a sheet {:.3g} mm thick.", 1e3 * options.sheet_thickness_m));
   } else if (patches.one_sided) {
-    throw InvalidParameter("mesh", "a surface with one side, like a Moebius strip",
+    throw InvalidParameter("mesh", "a one-sided surface, such as a Moebius strip",
                            "a surface with an inside, or a sheet with a thickness");
   } else {
     throw InvalidParameter(
         "mesh",
         fmt::format("open in {}, the largest {:.3g} mm around",
                     pluralise(std::max<std::size_t>(holes.open, 1), "place"), 1e3 * holes.largest_m),
-        fmt::format(
-            "closed, but for openings up to {:.3g} mm around: close it where it was made, or give the thickness "
-            "of a sheet",
-            1e3 * kLargestHole * size_m));
+        fmt::format("closed, except for openings up to {:.3g} mm around: close the surface, or set a sheet thickness",
+                    1e3 * kLargestHole * size_m));
   }
   dropUnusedPoints(mesh);
   mended.mesh = std::move(mesh);

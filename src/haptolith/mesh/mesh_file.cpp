@@ -37,8 +37,8 @@ std::string proposedUnit(double size_m, double unit_m, MeshFormat format) {
     const double then_m = size_m / unit_m * other.unit_m;
     if (kHandSize_m.contains(then_m) && other.unit_m != unit_m) {
       return format == MeshFormat::kGltf
-                 ? fmt::format("; glTF is in metres: made in units of {}, it has to be exported at a scale of {}",
-                               other.name, other.unit_m)
+                 ? fmt::format("; glTF is in metres: export a model in units of {} at a scale of {}", other.name,
+                               other.unit_m)
                  : fmt::format("; with a unit of {} ({} m) it would be {}", other.name, other.unit_m,
                                lengthText(then_m));
     }
@@ -51,7 +51,7 @@ void requireHandSize(const TriangleMesh& mesh, const std::string& name, double u
   const double size_m = corners.largestEdge();
   if (!kHandSize_m.contains(size_m)) {
     throw InvalidParameter(name + ": largest edge of the box around it", lengthText(size_m),
-                           fmt::format("2 mm to 2 m, as a hand can hold it{}", proposedUnit(size_m, unit_m, format)));
+                           fmt::format("2 mm to 2 m{}", proposedUnit(size_m, unit_m, format)));
   }
   const double reach_m = corners.low_m.cwiseAbs().cwiseMax(corners.high_m.cwiseAbs()).maxCoeff();
   if (!kMeshReach_m.contains(reach_m)) {
@@ -69,7 +69,7 @@ std::string_view withoutByteOrderMark(std::string_view bytes) {
 
 MeshText::MeshText(std::string_view text, const std::string& name) : rest_(withoutByteOrderMark(text)), name_(name) {
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
-    throw InvalidParameter(name, "text in UTF-16", "text in UTF-8 or ASCII: save it again as such");
+    throw InvalidParameter(name, "text in UTF-16", "text in UTF-8 or ASCII: save it in this encoding");
   }
 }
 
@@ -140,9 +140,9 @@ double MeshText::number(std::string_view word, std::string_view what) const {
 
 void requireRoom(const TriangleMesh& mesh, std::size_t points, std::size_t triangles, const std::string& place) {
   if (points > kMostMeshPoints - mesh.points_m.size() || triangles > kMostTriangles - mesh.triangles.size()) {
-    throw InvalidParameter(place, "one too many",
-                           fmt::format("of a mesh of at most {} triangles and {} points; make it coarser",
-                                       kMostTriangles, kMostMeshPoints));
+    throw InvalidParameter(
+        place, "one too many",
+        fmt::format("a mesh of at most {} triangles and {} points; simplify it", kMostTriangles, kMostMeshPoints));
   }
 }
 
@@ -208,7 +208,7 @@ TriangleMesh readMesh(const std::filesystem::path& path, const MeshFileOptions& 
   std::string bytes(unknown ? 0 : size, '\0');
   file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (file.bad() || static_cast<std::size_t>(file.gcount()) != bytes.size()) {
-    throw Failure(fmt::format("cannot read {}: it changed while it was read", path.string()));
+    throw Failure(fmt::format("cannot read {}: the file changed while it was read", path.string()));
   }
   return parseMesh(withBuffersInside(std::move(bytes), path), path.string(), *format, options);
 }

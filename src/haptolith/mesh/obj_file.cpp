@@ -24,7 +24,7 @@ std::int32_t pointOf(std::string_view word, std::size_t points, const MeshText& 
   const bool read = error == std::errc() && end == digits.data() + digits.size();
   if (!read || index == 0 || index > known || index < -known) {
     throw InvalidParameter(text.place("face"), inQuotes(word),
-                           known == 0 ? "the number of a point, of which there are none before it"
+                           known == 0 ? "the number of a point; there are no points before it"
                                       : fmt::format("the number of a point before it: 1 to {}, or -{} to -1 counted "
                                                     "from the last",
                                                     known, known));

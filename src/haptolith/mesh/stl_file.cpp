@@ -72,11 +72,11 @@ TriangleMesh parseBinary(std::string_view bytes, const std::string& name, MeshNo
   if (bytes.size() < sizeOf(bytes)) {
     throw InvalidParameter(
         name, fmt::format("{} bytes", bytes.size()),
-        fmt::format("the {} bytes of the {} triangles that it says it has (a binary STL file that was cut off?)",
+        fmt::format("the {} bytes of the {} triangles that its header states (is the binary STL file truncated?)",
                     sizeOf(bytes), count));
   }
   if (bytes.size() > sizeOf(bytes)) {
-    notes.push_back(fmt::format("{} bytes behind the {} triangles that it says it has are left out",
+    notes.push_back(fmt::format("{} bytes after the {} triangles that its header states are ignored",
                                 bytes.size() - sizeOf(bytes), count));
   }
   TriangleMesh mesh;
@@ -144,7 +144,8 @@ TriangleMesh parseText(std::string_view bytes, const std::string& name) {
     mesh.triangles.push_back({first, first + 1, first + 2});
   }
   if (in_solid) {
-    throw InvalidParameter(text.place("end of the file"), "within a solid", "after 'endsolid' (was it cut off?)");
+    throw InvalidParameter(text.place("end of the file"), "within a solid",
+                           "after 'endsolid' (is the file truncated?)");
   }
   return mesh;
 }

@@ -81,7 +81,7 @@ class Standing {
         throw InvalidParameter(
             one.own->key(), one.own->value(),
             fmt::format(
-                "{}, as in line {} and in a study's export; a column of your own takes another name",
+                "{}, as in line {} and in the export of a study; use another name for another column",
                 fmt::join(one.of->words.begin(), one.of->words.end() - (one.of->words[3].empty() ? 1 : 0), ", "),
                 one.known_line));
       }
@@ -147,18 +147,19 @@ class Oddities {
   [[nodiscard]] std::vector<std::string> text(std::string_view name, const std::vector<AnswersOf>& people) const {
     std::vector<std::string> warnings;
     for (const auto& [code, rows] : no_code_) {
-      warnings.push_back(fmt::format("{} = {}{}: no code; such rows are taken for one person", rows.first,
+      warnings.push_back(fmt::format("{} = {}{}: no code; these rows count as one participant", rows.first,
                                      inQuotes(code), rows.andMore()));
     }
     if (hash_.count > 0) {
       warnings.push_back(
-          fmt::format("{}{}: taken for a code; a comment begins with # and a space", hash_.first, hash_.andMore()));
+          fmt::format("{}{}: read as a code; a comment begins with # and a space", hash_.first, hash_.andMore()));
     }
     if (const std::string shared = sharedCodes(people); !shared.empty()) {
-      warnings.push_back(fmt::format("{}: {}: taken for different people in each group", name, shared));
+      warnings.push_back(fmt::format("{}: {}: counted as different participants in each group", name, shared));
     }
     if (const std::string again = repeatedRows(); !again.empty()) {
-      warnings.push_back(fmt::format("{}:{}; their answers count again. Was a table appended to itself?", name, again));
+      warnings.push_back(
+          fmt::format("{}:{}; their responses count twice. Was a table appended to itself?", name, again));
     }
     return warnings;
   }
@@ -215,7 +216,7 @@ class Oddities {
     }
     const std::size_t period = rows_.size() - (rows_.empty() ? 0 : border.back());
     const bool again = period >= kFewest && (rows_.size() == 2 * period || rows_.size() == 3 * period);
-    return again ? fmt::format("{}: from here on the rows are those from line {} on", rows_[period].line, rows_[0].line)
+    return again ? fmt::format("{}: the rows from here repeat the rows from line {}", rows_[period].line, rows_[0].line)
                  : "";
   }
 
@@ -296,7 +297,7 @@ Answers readAnswers(std::istream& text, std::string_view name, double pool_toler
   }
   Answers answers{.people = std::move(people).pooledLevels(pool_tolerance)};
   if (answers.people.empty()) {
-    throw InvalidParameter(std::string(name), "no answer in it", "one or more");
+    throw InvalidParameter(std::string(name), "without a response", "one or more responses");
   }
   answers.warnings = oddities.text(name, answers.people);
   return answers;

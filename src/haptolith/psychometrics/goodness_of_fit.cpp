@@ -124,7 +124,7 @@ double simulatedPValue(const SimulatedFits& fits, double observed) {
 std::string doubtOf(std::span<const Level> levels, const FitOptions& options) {
   const double trend = trendOf(levels);
   if (options.falling ? trend > kDoubtful : trend < -kDoubtful) {
-    return fmt::format("positive answers become {} with more of the stimulus: {}?", options.falling ? "more" : "fewer",
+    return fmt::format("positive responses become {} for larger stimuli: {}?", options.falling ? "more" : "fewer",
                        options.falling ? "fit a rising function, without --falling" : "fit a falling one, --falling");
   }
   double n = 0, k = 0;
@@ -134,8 +134,9 @@ std::string doubtOf(std::span<const Level> levels, const FitOptions& options) {
   }
   const double guess = options.design == Design::kForcedChoice ? 1.0 / options.alternatives : 0;
   if (k - n * guess < -kDoubtful * std::sqrt(n * guess * (1 - guess))) {
-    return fmt::format("{:.0f} of {:.0f} answers are right, where guessing gives one of {}: is 1 a wrong answer?", k, n,
-                       options.alternatives);
+    return fmt::format(
+        "{:.0f} of {:.0f} responses are correct, and guessing gives 1 of {}: does 1 mean a wrong response?", k, n,
+        options.alternatives);
   }
   return "";
 }

@@ -96,7 +96,7 @@ void Model::setAxis() {
   }
   if (last_ == first_) {
     throw InvalidParameter("levels", fmt::format("all answers at x = {}", levels_.front().x),
-                           "two stimuli or more, or one besides the fixed threshold");
+                           "two or more stimuli, or one in addition to the fixed threshold");
   }
   if (last_ - first_ < kLeastStimulus) {
     throw InvalidParameter("levels", fmt::format("stimuli within {:g} of each other", last_ - first_),

@@ -85,7 +85,7 @@ std::string whyItEnded(const ReplayResult& result) {
   if (result.gap) {
     return fmt::format("after {:.12g} s ticks are missing in the recording", result.gap->time_s);
   }
-  return result.ended_early.empty() ? "the pictures go on after the last tick" : result.ended_early;
+  return result.ended_early.empty() ? "there are frames after the last tick" : result.ended_early;
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ RecordedPictures::RecordedPictures(const RecordingReader& recording, Options opt
 void RecordedPictures::prepareReplay() {
   const bool is_whole = header().start_tick == 0;  // otherwise it cannot be replayed anywhere, as reported below
   if (is_whole && header().instruction_set != simdTarget()) {
-    why_not_replayed_ = fmt::format("it was recorded with {0}, and this is {1}: HAPTOLITH_SIMD={0} chooses the former",
+    why_not_replayed_ = fmt::format("it was recorded with {0}, and this run uses {1}: set HAPTOLITH_SIMD={0}",
                                     header().instruction_set, simdTarget());
     return;
   }

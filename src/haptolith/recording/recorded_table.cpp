@@ -26,7 +26,7 @@ std::string difference(hid_t found, hid_t wanted) {
     return "its values are of another type";
   }
   if (H5Tget_class(found) != H5T_COMPOUND) {
-    return "it is no table";
+    return "it is not a table";
   }
   for (int column = 0; column < H5Tget_nmembers(wanted); ++column) {
     char* const name_there = H5Tget_member_name(wanted, static_cast<unsigned>(column));
@@ -42,7 +42,7 @@ std::string difference(hid_t found, hid_t wanted) {
       return fmt::format("its column {} is of another type", name);
     }
   }
-  return "its columns are others, or in another order";
+  return "its columns differ, or have another order";
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ void RawFile::requireOurFormat() {
   };
   if (block[kVersionAt] != 3 || block[kAddressBytesAt] != 8 || address(kBaseAt) != 0 ||
       address(kExtensionAt) != HADDR_UNDEF) {
-    throw Failure("it is an HDF5 file, but not in the form in which haptolith writes recordings");
+    throw Failure("it is an HDF5 file, but not a recording of haptolith");
   }
   finished_ = block[kFlagsAt] == 0;  // else it is still open for writing, or was when the writer was killed
   requireObject(address(kRootAt), "/");
@@ -105,7 +105,7 @@ RecordedTable::RecordedTable(const RawFile& raw, const Handle& file, const char*
   dataset_ = handle(H5Dopen2(file.id(), path, H5P_DEFAULT), "open it");
   const Handle type = handle(H5Dget_type(dataset_.id()), "read its type");
   if (H5Tequal(type.id(), row.in_file.id()) <= 0) {
-    throw Failure(fmt::format("{} is not as version {} has it: {}", path, kSchemaVersion,
+    throw Failure(fmt::format("{} does not match format version {}: {}", path, kSchemaVersion,
                               difference(type.id(), row.in_file.id())));
   }
   readExtent();
@@ -136,7 +136,7 @@ void RecordedTable::readExtent() {
   std::array<hsize_t, 2> extent{};
   if (H5Sget_simple_extent_type(space.id()) != H5S_SIMPLE || H5Sget_simple_extent_ndims(space.id()) != rank() ||
       H5Sget_simple_extent_dims(space.id(), extent.data(), nullptr) < 0 || (columns_ != 0 && extent[1] != columns_)) {
-    throw Failure(fmt::format("{} has another shape than a recording's", path_));
+    throw Failure(fmt::format("{} has a shape that recordings do not have", path_));
   }
   rows_ = extent[0];
 }
@@ -146,7 +146,7 @@ void RecordedTable::readLayout(std::size_t value_bytes) {
   std::array<hsize_t, 2> chunk{};
   if (H5Pget_layout(creation.id()) != H5D_CHUNKED || H5Pget_chunk(creation.id(), rank(), chunk.data()) != rank() ||
       chunk[0] == 0 || (columns_ != 0 && chunk[1] != columns_) || chunk[0] > kLargestChunk / value_bytes) {
-    throw Failure(fmt::format("{} is not stored as a recording's", path_));
+    throw Failure(fmt::format("{} has a storage layout that recordings do not have", path_));
   }
   rows_per_chunk_ = chunk[0];
   row_bytes_ = value_bytes * std::max<std::uint64_t>(1, columns_);
@@ -168,7 +168,7 @@ void RecordedTable::requireChunks() const {
   const Handle space = handle(H5Dget_space(dataset_.id()), "read its size");
   if (H5Dget_num_chunks(dataset_.id(), space.id(), &chunks) < 0 || chunks > file_size_ ||
       rows_ > chunks * rows_per_chunk_ || (!compressed_ && rows_ > file_size_ / row_bytes_)) {
-    throw Failure(fmt::format("{} is damaged: of its {} rows not all are there", path_, rows_));
+    throw Failure(fmt::format("{} is damaged: some of its {} rows are missing", path_, rows_));
   }
 }
 

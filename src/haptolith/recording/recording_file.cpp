@@ -158,7 +158,7 @@ void requireFree(const fs::path& path, bool overwrite) {
   std::error_code ignored;  // an inaccessible path cannot be created either, and that reports why
   const fs::file_status there = fs::status(path, ignored);
   if (fs::exists(there) && !overwrite) {
-    throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", path.string()));
+    throw Failure(fmt::format("{} already exists: choose another name, or add --overwrite", path.string()));
   }
   if (fs::exists(there) && !fs::is_regular_file(there)) {
     throw Failure(fmt::format("cannot overwrite {}: not a regular file", path.string()));
@@ -286,7 +286,7 @@ void RecordingFile::write(std::size_t ticks) {
   }
   struct stat now {};
   if (fstat(descriptor(), &now) == 0 && now.st_nlink == 0) {
-    throw Failure("somebody has removed the file");
+    throw Failure("the file was removed");
   }
   ticks_.append(unwritten_ticks_.data(), ticks);
   position_.append(unwritten_positions_.data(), unwritten_positions_.size());

@@ -48,7 +48,7 @@ SoilAdjustment adjustmentOf(const RecordingEvent& event) {
     const auto json = nlohmann::json::parse(event.text);
     return {json.at("contact_friction"), json.at("contact_cohesion_n"), json.at("tool_friction")};
   } catch (const nlohmann::json::exception&) {
-    throw Failure(fmt::format("the recording's event at {:.3f} s says of the soil: {}", event.time_s, event.text));
+    throw Failure(fmt::format("the recording's event at {:.3f} s has a malformed soil: {}", event.time_s, event.text));
   }
 }
 
@@ -72,7 +72,8 @@ GrainMove grainMoveOf(const RecordingEvent& event) {
   } catch (const nlohmann::json::exception&) {
     // Nor is it a grain's.
   }
-  throw Failure(fmt::format("the recording's event at {:.3f} s says of a grain: {}", event.time_s, event.text));
+  throw Failure(
+      fmt::format("the recording's event at {:.3f} s has a malformed particle: {}", event.time_s, event.text));
 }
 
 namespace {

@@ -59,7 +59,7 @@ void readEntry(const Handle& file, const char* name, std::string& value) {
                     name));
   }
   if (H5Tget_class(type.id()) != H5T_STRING || bytes > kLongestHeaderText) {
-    throw Failure(fmt::format("{} in its header is no text of at most {} bytes", name, kLongestHeaderText));
+    throw Failure(fmt::format("{} in its header is not a text of at most {} bytes", name, kLongestHeaderText));
   }
   value.resize(bytes);
   done(H5Aread(attribute.id(), type.id(), value.data()), "read its header");
@@ -78,7 +78,7 @@ RecordingHeader readHeader(const Handle& file) {
   readEntry(file, "schema_version", version);
   if (version != kSchemaVersion) {
     throw Failure(
-        fmt::format("it is a recording of version {}, and this program reads version {}", version, kSchemaVersion));
+        fmt::format("it is a recording of version {}; this program reads version {}", version, kSchemaVersion));
   }
   RecordingHeader header;
   for (const HeaderEntry& entry : kHeaderEntries) {
@@ -241,8 +241,8 @@ std::vector<FrameRow> RecordingReader::readFrameRows(std::uint64_t first, std::u
   std::vector<FrameRow> rows = file_->read<FrameRow>(file_->frames(), first, count);
   for (const FrameRow& row : rows) {
     if (file_->position().available(row.first, row.count) != row.count) {
-      file_->refuse(fmt::format("the picture of the particles at {} s is said to be in rows {} to {}, of {}",
-                                row.time_s, row.first, row.first + row.count, file_->position().rows()));
+      file_->refuse(fmt::format("the frame of the particles at {} s is in rows {} to {}, of {}", row.time_s, row.first,
+                                row.first + row.count, file_->position().rows()));
     }
   }
   return rows;
@@ -273,8 +273,7 @@ std::vector<SiteRow> RecordingReader::readSite(std::uint64_t first, std::uint64_
     if (std::uint64_t{columns} * lines > SiteRow::kCells || !fits(row.first[0], columns, row.map[0]) ||
         !fits(row.first[1], lines, row.map[1])) {
       file_->refuse(
-          fmt::format("a part of the robot's site at {} s is said to be {} by {} cells from column {}, row "
-                      "{} of {} by {}",
+          fmt::format("a part of the robot's site at {} s has {} by {} cells from column {}, row {} of {} by {}",
                       row.heard_s, columns, lines, row.first[0], row.first[1], row.map[0], row.map[1]));
     }
   }
@@ -285,7 +284,7 @@ ParticleFrame RecordingReader::readFrame(const FrameRow& row) const {
   ParticleFrame frame{.time_s = row.time_s, .tick = row.tick, .position_m = {}};
   frame.position_m = file_->read<std::array<float, 3>>(file_->position(), row.first, row.count);
   if (frame.position_m.size() != row.count) {
-    file_->refuse("a picture of the particles is incomplete");
+    file_->refuse("a frame of the particles is incomplete");
   }
   return frame;
 }

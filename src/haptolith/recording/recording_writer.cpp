@@ -119,7 +119,7 @@ class RecordingWriter::Thread {
     } else if (most == kMostWaitingForFrames) {
       ++left_out_;
     } else {
-      stop(fmt::format("the disk is too slow: {} MiB wait to be written", waiting_bytes_ >> 20));
+      stop(fmt::format("the disk is too slow: {} MiB are waiting to be written", waiting_bytes_ >> 20));
     }
   }
 
@@ -137,8 +137,8 @@ class RecordingWriter::Thread {
   /// With the lock held.
   void stop(const std::string& why) {
     if (problem_.empty()) {
-      problem_ = fmt::format("the recording {} has ended: {}; it holds {}, {} of the particles and {}", path_, why,
-                             pluralise(written_.ticks, "tick"), pluralise(written_.frames, "picture"),
+      problem_ = fmt::format("the recording {} has ended: {}; it contains {}, {} of the particles and {}", path_, why,
+                             pluralise(written_.ticks, "tick"), pluralise(written_.frames, "frame"),
                              pluralise(written_.events, "event"));
     }
     waiting_ = {};

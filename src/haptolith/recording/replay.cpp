@@ -86,8 +86,8 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   const RecordingHeader& header = recording.header();
   if (header.start_tick != 0) {
     throw Failure(
-        fmt::format("this recording cannot be replayed: it began at tick {} of its run, and how the bed lay "
-                    "then is not known; record a whole run with 'haptolith run --record'",
+        fmt::format("cannot replay this recording: it began at tick {} of its run, and the state of the bed at that "
+                    "time is unknown; record a complete run with 'haptolith run --record'",
                     header.start_tick));
   }
   scene_file_ = loadSceneFileText(header.scene_file, "the recorded scene");
@@ -123,7 +123,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
   for (std::uint64_t first = 0; first < recording_.ticks(); first += kRowsAtOnce) {
     for (const TickRecord& was : recording_.readTicks(first, kRowsAtOnce)) {
       if ((was.flags & kTickSceneChanged) != 0) {
-        result.ended_early = fmt::format("at {:.3f} s somebody changed the scene", was.time_s);
+        result.ended_early = fmt::format("at {:.3f} s a client changed the scene", was.time_s);
         return result;
       }
       const std::uint64_t number = tickNumber(was.time_s, recording_.header().tick_s);
@@ -141,7 +141,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
       }
       if ((was.flags & kTickSoilAdjusted) != 0) {
         if (adjustments_.empty()) {
-          result.ended_early = fmt::format("at {:.3f} s the soil changed, and how is not recorded", was.time_s);
+          result.ended_early = fmt::format("at {:.3f} s the soil changed; the change is not recorded", was.time_s);
           return result;
         }
         const SoilAdjustment& adjustment = adjustments_.front();
@@ -153,7 +153,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
       }
       if ((was.flags & kTickParticleMoved) != 0) {
         if (grain_moves_.empty()) {
-          result.ended_early = fmt::format("at {:.3f} s a grain was moved, and which is not recorded", was.time_s);
+          result.ended_early = fmt::format("at {:.3f} s a particle was moved; its index is not recorded", was.time_s);
           return result;
         }
         loop_->ask(request::MoveGrain{grain_moves_.front()});

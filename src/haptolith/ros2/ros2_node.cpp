@@ -62,7 +62,7 @@ void printFirstLines(void* /*unused*/, const dds_log_data_t* line) {
     text.pop_back();
   }
   if (const int before = lines.fetch_add(1); before < kMostLines) {
-    fmt::print(stderr, "DDS: {}\n{}", text, before + 1 == kMostLines ? "DDS: more is not shown\n" : "");
+    fmt::print(stderr, "DDS: {}\n{}", text, before + 1 == kMostLines ? "DDS: further messages are not shown\n" : "");
   }
   const std::lock_guard lock(lastLine().mutex);
   lastLine().text = std::move(text);
@@ -123,8 +123,8 @@ dds_entity_t made(dds_entity_t entity, const char* what) {
     const std::lock_guard lock(lastLine().mutex);
     const std::string& reason = lastLine().text;
     throw Failure(
-        fmt::format("DDS cannot make a {}: {}{}{}; check CYCLONEDDS_URI, if it is set, the network, and how many nodes "
-                    "are in the domain: with --localhost it has room for 33",
+        fmt::format("DDS cannot make a {}: {}{}{}; check CYCLONEDDS_URI, the network, and the number of nodes in the "
+                    "domain (at most 33 with --localhost)",
                     what, dds_strretcode(entity), reason.empty() ? "" : ": ", reason));
   }
   return entity;
@@ -258,7 +258,7 @@ void Ros2Node::announce() {
                      : tell(rmw_dds_common_msg_dds__NodeEntitiesInfo_{},
                             rmw_dds_common_msg_dds__ParticipantEntitiesInfo_{}, rmw_dds_common_msg_dds__Gid_{});
   if (told < 0) {
-    throw Failure(fmt::format("DDS does not tell the graph of this node: {}", dds_strretcode(told)));
+    throw Failure(fmt::format("DDS does not publish the graph of this node: {}", dds_strretcode(told)));
   }
 }
 

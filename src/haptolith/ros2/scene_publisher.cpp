@@ -82,7 +82,7 @@ class ScenePublisher::Implementation {
       target_.emplace(node, "~/target_pose");
     }
     node.announce();
-    thread_ = startThread("what ROS 2 is told", [this] {
+    thread_ = startThread("the ROS 2 publisher", [this] {
       while (!ends_) {
         work();
         std::this_thread::sleep_for(kLook);

@@ -48,7 +48,7 @@ void requireFinite(const SavedScene& saved) {
                       areFinite(r.torque_nm) && areFinite(r.contact_stiffness_n_m) &&
                       areFinite(std::array{r.opening, r.opening_m, r.tool_fade, r.grip_n});
   if (!finite || !isUnit(saved.tool.pose.orientation)) {
-    throw InvalidParameter("state", "a tool that is nowhere", "finite numbers, and an orientation of norm 1");
+    throw InvalidParameter("state", "a tool without a finite pose", "finite numbers, and an orientation of norm 1");
   }
   requireInRange("tool_fade", saved.tool_fade, {0, 1});
   requireInRange("opening", saved.tool.opening, {0, 1});
@@ -65,11 +65,11 @@ std::string serialise(const SavedScene& saved) {
 SavedScene deserialiseSavedScene(std::string_view bytes) {
   Record record;
   if (bytes.size() < sizeof record) {
-    throw Failure("this is no saved scene: it is shorter than the header");
+    throw Failure("not a saved scene: shorter than the header");
   }
   std::memcpy(&record, bytes.data(), sizeof record);
   if (record.magic != kMagic) {
-    throw Failure("this is no saved scene, or one of another version");
+    throw Failure("not a saved scene, or saved by another version");
   }
   SavedScene saved{.bed = deserialiseSavedBed(bytes.substr(sizeof record)),
                    .tool = {},

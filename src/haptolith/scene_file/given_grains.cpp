@@ -80,7 +80,7 @@ void readGrainsData(GivenGrains& given, std::string_view data) {
       std::from_chars(data.data(), data.data() + std::min(colon, data.size()), given.held).ec == std::errc();
   if (!bytes || !counted || bytes->empty() || bytes->size() % sizeof(Grain) != 0) {
     throw InvalidParameter("grains_data", inQuotes(data.substr(0, 40)),
-                           "how many grains are held, a colon, and the numbers of all of them in base64");
+                           "the number of held particles, a colon, and the numbers of all particles in base64");
   }
   std::vector<Grain> grains(bytes->size() / sizeof(Grain));
   std::memcpy(grains.data(), bytes->data(), bytes->size());

@@ -155,9 +155,9 @@ constexpr KeyName kLibrary{"device", "library"};
 
 void refuseLibrary(const TomlReader& reader) {
   if (reader.find(kLibrary.table, kLibrary.name) != nullptr) {
-    reader.refuseKey(kLibrary,
-                     "left out: no file names code that is loaded; name the library on the command line "
-                     "(--device-library PATH) or in the environment (FORCEDIM_SDK)");
+    reader.refuseKey(
+        kLibrary,
+        "left out: for security, scene files cannot name libraries; use --device-library PATH or FORCEDIM_SDK");
   }
 }
 

@@ -110,8 +110,8 @@ void changeBody(SceneFile& scene_file, std::string_view name) {
 void makeToolMesh(SceneFile& scene_file) {
   const StonesParameters& stones = scene_file.bed.stones;
   if (scene_file.mesh.bytes != nullptr && largestSphere(stones) > kMostMeshReach_m) {
-    throw InvalidParameter("stones", fmt::format("of spheres up to {:g} mm across", 2e3 * largestSphere(stones)),
-                           fmt::format("at most {:g} mm where the tool is a mesh", 2e3 * kMostMeshReach_m));
+    throw InvalidParameter("stones", fmt::format("spheres up to {:g} mm in diameter", 2e3 * largestSphere(stones)),
+                           fmt::format("at most {:g} mm with a mesh tool", 2e3 * kMostMeshReach_m));
   }
   scene_file.tool.mesh = scene_file.mesh.bytes == nullptr
                              ? nullptr
@@ -129,9 +129,9 @@ void requireRoomInJaws(const SceneFile& scene_file) {
   const double inside_m = tool.size_m.x() / tool.jaw_bend_rad - tool.size_m.z() / 2;
   if (inside_m <= grain_m) {
     const double most_rad = tool.size_m.x() / (grain_m + tool.size_m.z() / 2);
-    throw InvalidParameter(
-        "jaw_bend_rad", fmt::format("{:g}", tool.jaw_bend_rad),
-        fmt::format("less than {:.3g}, so that grains of {:g} mm fit into the curve", most_rad, 2e3 * grain_m));
+    throw InvalidParameter("jaw_bend_rad", fmt::format("{:g}", tool.jaw_bend_rad),
+                           fmt::format("less than {:.3g}, so that particles of {:g} mm diameter fit into the curve",
+                                       most_rad, 2e3 * grain_m));
   }
 }
 
@@ -164,10 +164,10 @@ bool canBeCoarser(const SceneFile& scene_file) {
 void makeCoarser(SceneFile& scene_file) {
   const std::optional<double> radius_m = coarserRadiusFor(scene_file);
   if (!radius_m) {
-    throw InvalidParameter("coarser", fmt::format("than {:g} mm", inUnits(scene_file.bed.soil.radius_m, 1e-3)),
-                           fmt::format("asked for where the bed starts as settled, with particles of one size below "
-                                       "{:g} mm that leave room in the box",
-                                       inUnits(kGrainRadii_m.front(), 1e-3)));
+    throw RefusedAction(
+        "coarser", fmt::format("cannot use particles coarser than R = {:g} mm: the bed must start as settled, with "
+                               "particles of one size below {:g} mm that leave room in the box",
+                               inUnits(scene_file.bed.soil.radius_m, 1e-3), inUnits(kGrainRadii_m.front(), 1e-3)));
   }
   scene_file.bed.soil = rescaled(scene_file.bed.soil, *radius_m);
   makeToolMesh(scene_file);

@@ -59,10 +59,9 @@ std::string sceneFileTextWithGrains(SceneFile scene_file, std::string_view grain
 std::string sceneFileText(const SceneFile& scene_file) {
   std::string text = textOf(scene_file);
   if (!(loadSceneFileText(text, "the scene as text") == readBack(scene_file))) {
-    throw InvalidParameter(
-        "scenario", fmt::format("'{}'", scene_file.title),
-        "one that a scene file can hold: with a title, lengths in mm, walls on all sides, and the tick "
-        "and the parts of the tool that no key changes as they are by default");
+    throw InvalidParameter("scenario", fmt::format("'{}'", scene_file.title),
+                           "a scene that a scene file can describe: with a title, lengths in mm, walls on all sides, "
+                           "the default tick, and default values where there is no key");
   }
   return text;
 }

@@ -27,10 +27,11 @@ constexpr std::size_t kMaxCachedBeds = 64;
 /// Before anything is made or moves.
 SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
   if (device == nullptr && scene_file.device.kind != DeviceKind::kVirtualHand && !scene_file.loop.paced) {
-    throw InvalidParameter("paced", "false",
-                           fmt::format("true (without --unpaced) while a person may hold the tool at the device '{}': "
-                                       "what a hand feels must keep time with the clock",
-                                       wordFor(kDeviceWords, scene_file.device.kind)));
+    throw InvalidParameter(
+        "paced", "false",
+        fmt::format(
+            "true (without --unpaced) with the haptic device '{}': forces on a hand must be rendered in real time",
+            wordFor(kDeviceWords, scene_file.device.kind)));
   }
   return scene_file;
 }
@@ -189,7 +190,8 @@ bool Session::takeMade() {
 void Session::takeToolMesh(ToolMeshSource source) {
   validate(source);
   if (making_mesh_) {
-    throw Failure(fmt::format("{} is being made into a tool: wait for it", making_mesh_->source.name));
+    throw Failure(
+        fmt::format("the tool {} is still being prepared: wait until it is ready", making_mesh_->source.name));
   }
   problem_.clear();
   auto making = std::make_unique<MakingMesh>();
@@ -203,7 +205,7 @@ void Session::takeToolMesh(ToolMeshSource source) {
       return toolMesh(source, reach_m);
     });
   } catch (const std::exception& error) {
-    throw Failure(fmt::format("no other tool can be made now: {}", error.what()));
+    throw Failure(fmt::format("cannot prepare another tool: {}", error.what()));
   }
   making_mesh_ = std::move(making);
 }
@@ -275,8 +277,9 @@ void Session::coarsen() {
 
 void Session::undo() {
   if (!previous_ || making_ || coming_) {
-    throw InvalidParameter("undo", making_ || coming_ ? "while a bed is being made" : "nothing",
-                           "asked for after a change of the bed");
+    throw RefusedAction("undo", making_ || coming_
+                                    ? "nothing to undo yet: a bed is being prepared; wait until it is ready"
+                                    : "nothing to undo: the bed has not been changed");
   }
   problem_.clear();
   current_.replaced_by = previous_->replaced_by;
@@ -376,7 +379,7 @@ void Session::make(std::string_view why, bool as_it_lies) {
                             });
   } catch (const std::exception& error) {  // no thread: the bed that is there stays
     wanted_ = current_.scene_file;
-    throw Failure(fmt::format("no other bed can be made now: {}", error.what()));
+    throw Failure(fmt::format("cannot prepare another bed: {}", error.what()));
   }
   making_ = std::move(making);
 }
@@ -428,15 +431,16 @@ void Session::resume() {
 
 void Session::advance(int ticks) {
   if (!paused_) {
-    throw InvalidParameter("step", fmt::format("{} tick(s) while time goes on", ticks), "asked for in a pause");
+    throw RefusedAction("step", "cannot step: the simulation is running; pause it first");
   }
   ask(request::Advance{ticks});
 }
 
 void Session::setSpeed(double factor) {
   if (!device_->simulated()) {
-    throw InvalidParameter("factor", fmt::format("{:g} while a person has the tool ({})", factor, device_->name()),
-                           "asked for when a simulated hand has it");
+    throw RefusedAction("factor", fmt::format("cannot change the speed: a haptic device moves the tool ({}); only a "
+                                              "simulated hand can run slower",
+                                              device_->name()));
   }
   ask(request::Speed{requireInRange("factor", factor, {0.01, 1})});
   speed_ = factor;
@@ -444,19 +448,19 @@ void Session::setSpeed(double factor) {
 
 void Session::ask(const LoopRequest& request) {
   if (!loop_->ask(request)) {
-    throw Failure("too much is asked for at once: try again");
+    throw Failure("too many requests at once: try again");
   }
 }
 
 std::string Session::busy() const {
   if (making_mesh_) {
-    return fmt::format("making {} into a tool", making_mesh_->source.name);
+    return fmt::format("preparing the tool {}", making_mesh_->source.name);
   }
   if (!making_) {
     return coming_ ? "switching to the new bed" : "";
   }
   const double settled_s = making_->settled_s;
-  return settled_s > 0 ? fmt::format("making the bed: settled for {:.1f} s", settled_s) : "making the bed";
+  return settled_s > 0 ? fmt::format("preparing the bed: settled for {:.1f} s", settled_s) : "preparing the bed";
 }
 
 }  // namespace haptolith

@@ -37,8 +37,10 @@ void Session::openHand(std::unique_ptr<HapticDevice> device) {
 
 void Session::requireVirtualHand(const char* asked) const {
   if (hand_ == nullptr) {
-    throw InvalidParameter(asked, fmt::format("while a person has the tool ({})", device_->name()),
-                           "asked for when the virtual hand has it");
+    throw RefusedAction(asked,
+                        fmt::format("cannot move the tool: a haptic device moves it ({}); only the virtual hand can "
+                                    "be replaced",
+                                    device_->name()));
   }
 }
 

@@ -89,7 +89,7 @@ void SessionRecording::stop() {
     throw Failure(problem_);
   }
   if (const std::uint64_t missing = ended->written().missing; missing > 0) {
-    problem_ = fmt::format("{} missing in {}: the program was held up for too long",
+    problem_ = fmt::format("{} missing in {}: the program was interrupted for too long",
                            pluralise(missing, "tick is", "ticks are"), name);
     options_.warn(problem_);
   }
@@ -98,7 +98,7 @@ void SessionRecording::stop() {
 /// A viewer cannot end a recording that was asked for at the start.
 void SessionRecording::requireNoWholeRun() const {
   if (!name_.empty() && endless_) {
-    throw Failure(fmt::format("the whole run is being recorded to {}", name_));
+    throw Failure(fmt::format("cannot change the recording: the complete run is recorded to {}", name_));
   }
 }
 
@@ -126,7 +126,7 @@ void SessionRecording::check() {
     takeWriter().reset();
     name_.clear();
   } else if (too_long) {
-    options_.warn(fmt::format("the recording {} has ended: it is an hour long", name_));
+    options_.warn(fmt::format("the recording {} has ended: its limit is one hour", name_));
     stop();
   }
 }

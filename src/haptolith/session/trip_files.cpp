@@ -61,12 +61,12 @@ std::string TripFiles::tell(const TripReport& report, std::string_view problem) 
       where = fmt::format("; the last ticks could not be written: {}", failure.what());
     }
   }
-  return fmt::format("at {:.3f} s the hand was let go: {}{}{}{}", report.time_s, report.reason(),
-                     problem.empty() ? "" : ": ", problem, where);
+  return fmt::format("safety trip at {:.3f} s: {}{}{}{}", report.time_s, report.reason(), problem.empty() ? "" : ": ",
+                     problem, where);
 }
 
 std::string TripFiles::rest() const {
-  return untold_ > 0 ? fmt::format("the hand was let go {}", pluralise(untold_, "more time")) : "";
+  return untold_ > 0 ? fmt::format("safety trips: {}", pluralise(untold_, "more time")) : "";
 }
 
 }  // namespace haptolith

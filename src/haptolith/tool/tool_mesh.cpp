@@ -29,7 +29,7 @@ double bandFor(double reach_m) {
     }
   }
   throw InvalidParameter("radius_m", fmt::format("with a reach of {:.3g} m", reach_m),
-                         fmt::format("so small that grains touch a mesh from at most {:g} m", kMostMeshReach_m));
+                         fmt::format("small enough that particles touch a mesh from at most {:g} m", kMostMeshReach_m));
 }
 
 Eigen::Matrix3d turned(const Vec3& turn_rad) {

@@ -15,7 +15,7 @@ void validate(const ToolParameters& tool) {
   requireInRange("cone_angle_rad", tool.cone_angle_rad, ToolRanges::cone_angle_rad);
   requireInRange("jaw_bend_rad", tool.jaw_bend_rad, ToolRanges::jaw_bend_rad);
   if (tool.shape == ToolShape::kMesh && tool.mesh == nullptr) {
-    throw InvalidParameter("shape", "mesh", "one with a mesh, or another");
+    throw InvalidParameter("shape", "mesh without a mesh", "another shape, or mesh with a mesh");
   }
   requireInRange("stiffness_n_m", tool.stiffness_n_m, ToolRanges::stiffness_n_m);
   requireInRange("damping_factor", tool.damping_factor, ToolRanges::damping_factor);

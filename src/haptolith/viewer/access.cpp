@@ -98,19 +98,19 @@ void requireGoodToken(std::string_view token, std::string_view key) {
   const auto is_good = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_'; };
   const bool good = std::ranges::all_of(token, is_good);
   if (!good || token.size() < kShortestToken || token.size() > kLongestToken) {
-    throw InvalidParameter(std::string(key),
-                           good
-                               ? fmt::format("a text of {}{} letters", token.size() > kLongestToken ? "more than " : "",
-                                             std::min(token.size(), kLongestToken))
-                               : "a text with other letters",
-                           fmt::format("{} to {} of A to Z, a to z, 0 to 9, - and _", kShortestToken, kLongestToken));
+    throw InvalidParameter(
+        std::string(key),
+        good ? fmt::format("a text of {}{} characters", token.size() > kLongestToken ? "more than " : "",
+                           std::min(token.size(), kLongestToken))
+             : "a text with other characters",
+        fmt::format("{} to {} of A to Z, a to z, 0 to 9, - and _", kShortestToken, kLongestToken));
   }
 }
 
 std::string newToken() {
   std::array<std::uint8_t, 16> bits{};
   if (getrandom(bits.data(), bits.size(), 0) != static_cast<ssize_t>(bits.size())) {
-    throw Failure("the system gives no random numbers for a token");
+    throw Failure("cannot generate a token: the system provides no random numbers");
   }
   std::string token;
   for (const std::uint8_t byte : bits) {

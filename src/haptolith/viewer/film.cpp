@@ -21,7 +21,7 @@ enum class MessageKind : std::uint8_t { kText = 1, kFrame = 2 };
 
 /// A message with its length and kind before it.
 std::string packed(MessageKind kind, std::string_view bytes) {
-  static_assert(std::endian::native == std::endian::little, "the file says so");
+  static_assert(std::endian::native == std::endian::little, "the file format is little-endian");
   const auto size = static_cast<std::uint32_t>(bytes.size());
   std::string message(reinterpret_cast<const char*>(&size), sizeof size);
   message += static_cast<char>(kind);
@@ -91,7 +91,7 @@ void show(SceneSnapshot& snapshot, const ScenePicture& picture) {
 void exportFilm(RecordedPictures& pictures, std::string_view version,
                 const std::function<void(std::string_view)>& write) {
   if (!pictures.sceneFile()) {
-    throw Failure("this program cannot read the recorded scene, so there is nothing to show");
+    throw Failure("cannot read the recorded scene: there is nothing to show");
   }
   const SceneFile& scene_file = *pictures.sceneFile();
   std::optional<FrameEncoder> encoder;

@@ -84,8 +84,9 @@ bool isInPath(const std::string& program) {
 std::string chromium() {
   if (const char* named = std::getenv("HAPTOLITH_CHROMIUM"); named != nullptr && *named != '\0') {
     if (access(named, X_OK) != 0) {
-      throw Failure(fmt::format("HAPTOLITH_CHROMIUM={} is no program; without it Debian's is used: apt install {}",
-                                named, kPackage));
+      throw Failure(
+          fmt::format("HAPTOLITH_CHROMIUM={} is not a program; unset it to use the installed Chromium: apt install {}",
+                      named, kPackage));
     }
     return named;
   }
@@ -241,7 +242,7 @@ std::string HeadlessBrowser::screenshot(Png png) {
       implementation_->call("Page.captureScreenshot", {{"format", "png"}, {"optimizeForSpeed", png == Png::kQuick}});
   const std::optional<std::string> picture = fromBase64(answer["data"].get_ref<const std::string&>());
   if (!picture) {
-    throw Failure("the browser sent a picture that is no base64");
+    throw Failure("the browser sent a picture that is not base64");
   }
   return *picture;
 }

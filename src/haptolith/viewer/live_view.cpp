@@ -93,7 +93,7 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
   } catch (const Failure& error) {
     return error.what();
   } catch (const std::exception& error) {  // no thread or no memory: a client's request must not end a run
-    return fmt::format("this cannot be done now: {}", error.what());
+    return fmt::format("not possible now: {}", error.what());
   }
   return {};
 }
@@ -102,14 +102,15 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
 std::string LiveView::refusal(std::uint32_t client, const ClientMessage& message) const {
   const Command& asked = *message.command;
   if (clients_ == Clients::kLookOn && !std::holds_alternative<command::Colour>(asked)) {
-    return "viewers cannot change anything: the program was started with --read-only";
+    return "view only: the program was started with --read-only";
   }
   if (std::string refused = extension_.refuse ? extension_.refuse(client, asked) : ""; !refused.empty()) {
     return refused;
   }
   if (changesWhatIsFelt(asked) && !message.confirmed && session_.personFeels()) {
-    throw InvalidParameter("confirmed", "not true",
-                           fmt::format("true while a person holds the device ({})", session_.deviceName()));
+    throw RefusedAction(
+        "confirmed",
+        fmt::format("not confirmed: a user holds the haptic device ({}); confirm the change", session_.deviceName()));
   }
   return {};
 }
@@ -119,7 +120,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
   std::visit(
       Overloaded{[&](const command::Hold& hold) {
                    if (holder_ && *holder_ != client) {
-                     throw Failure("somebody else holds the tool");
+                     throw Failure("another client controls the tool");
                    }
                    session_.hold(hold.scene_T_tool);
                    holder_ = client;
@@ -127,7 +128,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                  [&](const command::Release&) { releaseTool(client); },
                  [&](const command::Play& play) {
                    if (holder_ && *holder_ != client) {
-                     throw Failure("somebody else holds the tool");
+                     throw Failure("another client controls the tool");
                    }
                    holder_.reset();
                    session_.play(play.manoeuvre);
@@ -137,8 +138,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                    ToolMeshSource source = file.source;
                    source.bytes = server_.takeUpload(file.upload);
                    if (source.bytes == nullptr) {
-                     throw InvalidParameter("upload", std::to_string(file.upload),
-                                            "the newest file that was uploaded, once: upload it again");
+                     throw RefusedAction("upload", "the uploaded file is not available any more: upload it again");
                    }
                    session_.takeToolMesh(std::move(source));
                  },
@@ -153,7 +153,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                  [&](const command::Speed& speed) { session_.setSpeed(speed.factor); },
                  [&](const command::Record& record) {
                    if (!recorder_.start) {
-                     throw Failure("nothing can be recorded here");
+                     throw Failure("recording is not available here");
                    }
                    (void)recordingNow();  // one that ends before the next status
                    record.on ? recorder_.start() : recorder_.stop();

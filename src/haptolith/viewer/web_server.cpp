@@ -101,10 +101,10 @@ void validate(const WebServerOptions& options) {
   }
   for (auto one = all.begin(); one != all.end(); ++one) {
     if (open && all.size() > 1) {
-      throw InvalidParameter("token", "left out", "given where there is more than one entrance");
+      throw InvalidParameter("token", "missing", "given for each of several entrances");
     }
     if (std::ranges::find(all.begin(), one, one->token, &Entrance::token) != one) {
-      throw InvalidParameter("token", "the same twice", "another one for each entrance");
+      throw InvalidParameter("token", "repeated", "different for each entrance");
     }
   }
 }

@@ -115,7 +115,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
            : error == http::error::body_limit ? http::status::payload_too_large
                                               : http::status::bad_request,
            error == http::error::body_limit ? fmt::format("larger than {} bytes\n", kLargestUpload)
-                                            : "this is no request that the program understands\n");
+                                            : "malformed request\n");
   }
 
   void stand(Crowd& crowd) {
@@ -154,15 +154,14 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     const bool is_upload = server_.takes_uploads && path == kUpload;
     const bool needs_token = is_socket || path == "/ws" || is_recording || is_upload;
     if (request.count(http::field::host) > 1 || request.count(http::field::origin) > 1) {
-      refuse(http::status::bad_request, "Host and Origin may be given once only\n");
+      refuse(http::status::bad_request, "Host and Origin can be given only once\n");
     } else if (!server_.isHostAllowed(host)) {
-      refuse(
-          http::status::forbidden,
-          "this program answers to localhost and 127.0.0.1 alone; to reach it by another name, start it with --bind\n");
+      refuse(http::status::forbidden,
+             "this program accepts only localhost and 127.0.0.1; start it with --bind to use another name\n");
     } else if ((is_socket || is_upload) && !origin.empty() && !isFromHere(origin, host)) {
-      refuse(http::status::forbidden, "pages from elsewhere may not connect\n");
+      refuse(http::status::forbidden, "pages from other origins cannot connect\n");
     } else if (needs_token && !server_.mayGuess(network_, !entrance && !tokenOf(target).empty())) {
-      refuse(http::status::too_many_requests, "too many wrong tokens: try again in a while\n");
+      refuse(http::status::too_many_requests, "too many wrong tokens: try again later\n");
     } else if (needs_token && !entrance) {
       refuse(http::status::unauthorized, "the address lacks the token that the program printed\n");
     } else if (is_upload && request.method() == http::verb::put) {
@@ -191,7 +190,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     } else if (!speaksOurs(request)) {
       refuse(http::status::bad_request, "the WebSocket speaks haptolith.1\n");
     } else if (server_.joined >= kMostClients) {
-      refuse(http::status::service_unavailable, "32 clients look on already\n");
+      refuse(http::status::service_unavailable, "32 clients are already connected\n");
     } else {
       leaveCrowd();
       const auto client = std::make_shared<Client>(server_, stream_.release_socket(), ++server_.last_client, entrance);
@@ -206,7 +205,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
     beast::error_code fault;
     http::file_body::value_type file;
     if (server_.entrances[entrance].nameless) {
-      refuse(http::status::forbidden, "this token opens no recordings\n");
+      refuse(http::status::forbidden, "this token does not allow access to recordings\n");
       return;
     }
     if (at != server_.offered.end()) {
@@ -246,9 +245,9 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
   /// One at a time, so that many cannot take all memory.
   void takeUpload(std::size_t entrance) {
     if (server_.entrances[entrance].nameless) {
-      refuse(http::status::forbidden, "this token may upload nothing\n");
+      refuse(http::status::forbidden, "this token does not allow uploads\n");
     } else if (server_.uploading) {
-      refuse(http::status::service_unavailable, "somebody else is uploading a file: try again\n");
+      refuse(http::status::service_unavailable, "another client is uploading a file: try again\n");
     } else {
       upload_.emplace(std::move(*parser_));
       upload_until_ = std::chrono::steady_clock::now() + kUploadTime;

@@ -19,7 +19,7 @@ export interface Film {
 export function readFilm(bytes: ArrayBuffer): Film {
   const text_of = new TextDecoder();
   if (text_of.decode(bytes.slice(0, MAGIC.length)) !== MAGIC)
-    throw new Error('this is no film: haptolith export RUN.h5 --format film makes one of a recording');
+    throw new Error('not an animation: make one with haptolith export RUN.h5 --format film');
   const film: Film = { texts: [], frames: [] };
   const view = new DataView(bytes);
   let at = MAGIC.length;
@@ -32,7 +32,7 @@ export function readFilm(bytes: ArrayBuffer): Film {
     else if (kind === FRAME) film.frames.push({ time_s: decodeFrame(message).time_s, bytes: message });
     at += HEAD_BYTES + size;
   }
-  if (film.texts.length === 0 || film.frames.length === 0) throw new Error('this film has no pictures');
+  if (film.texts.length === 0 || film.frames.length === 0) throw new Error('the animation has no frames');
   return film;
 }
 

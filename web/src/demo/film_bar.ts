@@ -11,7 +11,7 @@ export function filmBar(film: FilmProgram): HTMLElement {
     max: film.end_s,
     step: 'any',
     value: film.start_s,
-    'aria-label': 'Time in the film',
+    'aria-label': 'Time of the animation',
   });
   const time = h('span', { class: 'numbers' });
   const show = (): void => {

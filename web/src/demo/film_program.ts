@@ -57,7 +57,7 @@ export class FilmProgram implements Program {
   }
 
   upload(): Promise<number> {
-    return Promise.reject(new Error('A film takes no files.'));
+    return Promise.reject(new Error('An animation does not accept files.'));
   }
 
   /** Jumps to a time, and stays paused or continues to play. */
@@ -127,7 +127,7 @@ export class FilmProgram implements Program {
       speed: 1,
       held_by: null,
       clients: 1,
-      device: `film of ${scene?.title ?? 'a run'}`,
+      device: `animation of ${scene?.title ?? 'a run'}`,
       person_feels: false,
       let_go: null,
       real_time: { scheduler: null, memory_locked: false },

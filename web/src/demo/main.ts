@@ -17,13 +17,13 @@ const DROPPED = 'dropped';
 const shown = readShown(location.search);
 const settings = readSettings(location.search, matchMedia('(prefers-color-scheme: light)').matches);
 
-const cover_text = h('p', { role: 'status' }, 'Bringing the soil…');
+const cover_text = h('p', { role: 'status' }, 'Loading…');
 const cover = h('div', { class: 'demo-cover' }, h('span', { class: 'spinner', 'aria-hidden': 'true' }), cover_text);
 
 function fail(why: string): void {
   cover.classList.add('failed');
   cover.replaceChildren(
-    h('p', { role: 'alert' }, `This cannot be shown: ${why}`),
+    h('p', { role: 'alert' }, `Cannot display this: ${why}`),
     h('p', {}, h('a', { href: '?' }, 'Open the first scene')),
   );
   document.body.append(cover);
@@ -48,7 +48,9 @@ addEventListener(
       .open(DROPPED)
       .then((kept) => kept.put(DROPPED, new Response(file)))
       .then(() => location.assign(`?play=${DROPPED}`))
-      .catch(() => fail('this browser keeps no file for it; put the film beside the page and open ?play=NAME.film'));
+      .catch(() =>
+        fail('this browser cannot store the file; put the animation next to the page and open ?play=NAME.film'),
+      );
   },
   { capture: true },
 );
@@ -56,17 +58,13 @@ addEventListener(
 function openScene(): void {
   const scenes = h('select', { class: 'demo-scene', 'aria-label': 'Scene', title: 'Another scene' });
   scenes.addEventListener('change', () => location.assign(`?scene=${encodeURIComponent(scenes.value)}`));
-  const share = h(
-    'button',
-    { type: 'button', class: 'quiet', title: 'Copy an address that shows this scene' },
-    'Share',
-  );
+  const share = h('button', { type: 'button', class: 'quiet', title: 'Copy the address of this scene' }, 'Share');
   const program = new WorkerProgram(shown.scene, shown.changes, {
     opened: (list) => {
       cover.remove();
       showScenes(scenes, list);
     },
-    settling: (time_s) => setText(cover_text, `Letting the soil settle: ${time_s.toFixed(1)} s`),
+    settling: (time_s) => setText(cover_text, `Soil is settling: ${time_s.toFixed(1)} s`),
     failed: fail,
   });
   const page = openBedPage(settings, program, [scenes, share]);
@@ -84,9 +82,9 @@ function openScene(): void {
         );
         history.replaceState(null, '', address);
         await navigator.clipboard.writeText(address);
-        page.notices.toast('The address is copied: whoever opens it sees this scene, with level soil.');
+        page.notices.toast('Address copied. It opens this scene with level soil.');
       })
-      .catch(() => page.notices.toast('The address bar now has this scene: copy it from there.'));
+      .catch(() => page.notices.toast('Copy the address of this scene from the address bar.'));
   });
 }
 
@@ -101,10 +99,10 @@ function showScenes(scenes: HTMLSelectElement, list: DemoScene[]): void {
 
 /** @param address  address of an animation: next to the page, or on a server that allows this page to read it */
 async function openFilm(address: string): Promise<void> {
-  setText(cover_text, 'Bringing the film…');
+  setText(cover_text, 'Loading the animation…');
   const kept = address === DROPPED ? await caches.match(DROPPED) : undefined;
   const answer = kept ?? (await fetch(address).catch(() => null));
-  if (!answer?.ok) throw new Error(`no film came from ${address}`);
+  if (!answer?.ok) throw new Error(`cannot load the animation from ${address}`);
   const program = new FilmProgram(readFilm(await answer.arrayBuffer()));
   cover.remove();
   document.body.classList.add('of-film');

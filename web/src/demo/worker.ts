@@ -65,7 +65,7 @@ async function run(demo: DemoModule): Promise<void> {
   }
   tell({
     is: 'failed',
-    why: 'the run has ended, because the soil did not bear what was done to it; load the page again',
+    why: 'the run has ended, because the simulation became unstable; reload the page',
   });
 }
 

@@ -38,7 +38,7 @@ export class WorkerProgram implements Program {
       send: (text) => this.tell({ do: 'hear', text: String(text) }),
       close: () => worker.terminate(),
     };
-    worker.onerror = (event) => this.listener.failed(event.message || 'the worker that runs the soil did not start');
+    worker.onerror = (event) => this.listener.failed(event.message || 'the simulation worker did not start');
     worker.onmessage = ({ data }: MessageEvent<FromWorker | string | ArrayBuffer>) => {
       if (typeof data === 'string' || data instanceof ArrayBuffer) {
         socket.readyState = 1;

@@ -117,7 +117,7 @@ export class VrHand {
   }
 
   private async look(): Promise<void> {
-    if (!this.stage.draws) this.unavailable = 'this browser shows no WebGL 2';
+    if (!this.stage.draws) this.unavailable = 'this browser has no WebGL 2';
     else if (!navigator.xr)
       this.unavailable = 'this browser has no WebXR, or the page is not served from localhost or https';
     else {

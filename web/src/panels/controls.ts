@@ -62,7 +62,7 @@ export class Controls {
   private readonly record_file = h('p', { class: 'facts record-file', role: 'status' });
   private recorded = '';
   private readonly colours = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Colour by' });
-  private readonly drawings = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Soil drawn as' });
+  private readonly drawings = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Appearance of particles' });
   private readonly slider_inputs = new Map<string, { input: HTMLInputElement; value: HTMLElement; spec: Slider }>();
   private readonly slider_timers = new Map<string, number>();
   private readonly changing: HTMLFieldSetElement[];
@@ -180,7 +180,7 @@ export class Controls {
       { class: 'controls', 'aria-label': 'Controls' },
       this.look_on,
       ...changing,
-      inlineGroup('Picture', this.drawings, this.colours, h('div', { class: 'row views' }, views, sound)),
+      inlineGroup('View', this.drawings, this.colours, h('div', { class: 'row views' }, views, sound)),
     );
     this.setConnected(false);
   }
@@ -188,19 +188,19 @@ export class Controls {
   setHello(hello: Hello): void {
     this.hello = hello;
     this.look_on.hidden = !hello.read_only;
-    setText(this.look_on, hello.read_only ? 'Only to look at: the program was started with --read-only.' : '');
+    setText(this.look_on, hello.read_only ? 'View only: the program was started with --read-only.' : '');
     for (const fieldset of this.changing) fieldset.disabled = hello.read_only;
     this.soil.replaceChildren(
       h(
         'optgroup',
-        { label: "The paper's presets, by friction coefficient" },
+        { label: 'Presets of the ICRA 2021 paper, by friction coefficient' },
         ...hello.presets.map((preset) =>
           h('option', { value: `preset:${preset.name}` }, `${preset.name}, µ = ${preset.friction_coefficient}`),
         ),
       ),
       h(
         'optgroup',
-        { label: 'Soils as measured, by friction angle' },
+        { label: 'Measured soils, by friction angle' },
         ...hello.soils.map((soil) =>
           h('option', { value: `soil:${soil.name}`, title: soil.source }, `${soil.name}, ${soil.friction_angle_deg}°`),
         ),
@@ -233,7 +233,7 @@ export class Controls {
   setScene(scene: Scene): void {
     this.scene = scene;
     const { soil, tool } = scene;
-    select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'own soil');
+    select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'custom soil');
     const friction = soil.friction ?? '';
     select(this.friction, friction, frictionModelName(friction));
     this.drag_warning.hidden = friction !== 'paper';
@@ -339,7 +339,7 @@ export class Controls {
     if (recording) this.record_file.replaceChildren(`recording ${recording}`);
     else if (recorded)
       this.record_file.replaceChildren(
-        `${recorded.file} is in ${recorded.folder} on the computer where the program runs. `,
+        `${recorded.file} is in ${recorded.folder} on the computer that runs the program. `,
         h('a', { href: this.act.recordingAddress?.(recorded.file) ?? '', download: recorded.file }, 'Download'),
       );
     else this.record_file.replaceChildren();

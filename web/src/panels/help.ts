@@ -4,20 +4,20 @@ import type { Shortcut } from '../shortcuts';
 import { h } from './html';
 
 const WHAT =
-  'haptolith computes granular soil a thousand times a second, so that a hand at a haptic device feels what a tool meets in it. ' +
-  'Without a device the mouse, a finger or keys move the tool, and the page shows the force.';
+  'haptolith simulates granular soil at 1 kHz and renders the force of a tool in it on a haptic device. ' +
+  'Without a device, move the tool with the mouse, a finger or keys; the page shows the force.';
 
 /** The exercises of docs/tutorials/first-hour.md, shortened. */
 const EXERCISES = [
-  'Press the shovel straight down: the force rises with depth. Pull it out: cohesion holds it for a moment.',
-  'Choose Earth as the body: the same soil weighs six times as much as on the Moon.',
-  'Go back to the Moon and choose dry sand, which has no cohesion. Dig a hole: its sides slide in. In lunar soil they stand.',
-  'Take the jaws, and lift a handful of soil.',
+  'Press the shovel straight down: the force grows with depth. Pull it out: cohesive soil holds it for a moment.',
+  'Choose Earth as the body: the soil weighs six times as much as on the Moon.',
+  'Choose dry sand, which has no cohesion, and dig a hole: its sides collapse. In lunar soil they stand.',
+  'Choose the jaws, and lift some soil.',
 ];
 
 const GROUPS: Record<Shortcut['group'], string> = {
   touch: 'Touch screen',
-  tool: 'Tool, by mouse and keys',
+  tool: 'Tool, with mouse and keys',
   view: 'View',
   bed: 'Bed',
   time: 'Time',
@@ -56,7 +56,7 @@ export class Help {
     const licences = h(
       'a',
       { href: './licences.txt', target: '_blank', rel: 'noopener' },
-      'Licences of what it is made of',
+      'Licences of third-party software',
     );
     this.element = h(
       'dialog',
@@ -69,7 +69,7 @@ export class Help {
       ),
       h(
         'div',
-        { class: 'help-scroll', tabindex: 0, role: 'region', 'aria-label': 'What this is, and what keys do' },
+        { class: 'help-scroll', tabindex: 0, role: 'region', 'aria-label': 'About haptolith, and its keys' },
         h('p', {}, WHAT),
         h('h3', {}, 'Try first'),
         h('ol', {}, ...EXERCISES.map((exercise) => h('li', {}, exercise))),

@@ -47,7 +47,7 @@ export class ScaleBar {
   private shown = '';
 
   constructor() {
-    this.element = h('div', { class: 'scale-bar', title: 'at the middle of the bed' }, this.label, this.bar);
+    this.element = h('div', { class: 'scale-bar', title: 'at the centre of the bed' }, this.label, this.bar);
   }
 
   show(metres_per_px: number): void {

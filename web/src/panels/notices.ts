@@ -24,7 +24,7 @@ export class Notices {
 
   setLink(connected: boolean, why: string | null): void {
     this.banner.hidden = connected;
-    if (!connected) setText(this.banner_text, `${why ?? 'connection lost'}, trying again`);
+    if (!connected) setText(this.banner_text, `${why ?? 'connection lost'}, retrying`);
   }
 
   setBusy(what: string | null): void {

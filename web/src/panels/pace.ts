@@ -96,18 +96,18 @@ export function paceInBrief({ kind, others }: Pace, can_coarsen: boolean): strin
 export function paceInWords({ kind, others }: Pace, can_coarsen: boolean): string {
   switch (kind) {
     case 'measuring':
-      return 'The page watches the force loop; after ten seconds it says whether the loop keeps its time.';
+      return 'Measuring the force loop; the result is available after ten seconds.';
     case 'in time':
-      return 'At least 99 % of the ticks of the last ten seconds were finished within their millisecond.';
+      return 'At least 99 % of the ticks of the last ten seconds finished within 1 ms.';
     case 'paused':
-      return 'Simulated time stands still.';
+      return 'The simulation is paused.';
     case 'slow motion':
-      return 'Simulated time passes more slowly, so ticks have more time.';
+      return 'Simulated time is slower, so ticks have more time.';
     case 'late': {
-      const offer = can_coarsen ? ' Coarser soil needs less of it.' : '';
+      const offer = can_coarsen ? ' Coarser particles need less CPU time.' : '';
       return others
-        ? `Other programs take the processor from the force loop. Close some of them.${offer}`
-        : `The soil is too fine for this machine: ticks take longer than their millisecond.${offer}`;
+        ? `Other programs delay the force loop. Close some of them.${offer}`
+        : `The particles are too small for this machine: ticks take longer than 1 ms.${offer}`;
     }
   }
 }

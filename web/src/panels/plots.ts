@@ -83,8 +83,7 @@ const SPECS: PlotSpec[] = [
         width: 0,
         points: true,
         explains:
-          'A tick missed its millisecond. On the dashed line: the loop was woken late, the tick itself was short. ' +
-          'Above it: the tick itself took too long.',
+          'A tick was late. On the dashed line: the loop was woken late. ' + 'Above it: the tick took too long.',
       },
     ],
     sample: (frame, late) => {
@@ -134,9 +133,7 @@ export class Plots {
         ),
       );
       if (spec.deadline)
-        keys.push(
-          h('span', { class: 'plot-key', title: 'the time that a tick has' }, h('i', { class: 'dashed' }), '1 ms'),
-        );
+        keys.push(h('span', { class: 'plot-key', title: 'time limit of a tick' }, h('i', { class: 'dashed' }), '1 ms'));
       return h(
         'figure',
         { class: 'plot' },

@@ -84,9 +84,9 @@ function lags(robot: Robot): boolean {
 
 /** Formats the state of a robot: "robot following, 2.6 s behind". */
 export function robotInWords(robot: Robot): string {
-  if (!robot.heard) return robot.round_trip_s > 0 ? 'robot silent' : 'no word of the robot yet';
+  if (!robot.heard) return robot.round_trip_s > 0 ? 'robot silent' : 'no reports from the robot yet';
   const why = robot.reason === null ? '' : ` (${robot.reason})`;
-  const more = lags(robot) ? `, of which the link takes ${robot.round_trip_s.toFixed(1)} s` : '';
+  const more = lags(robot) ? `, link delay ${robot.round_trip_s.toFixed(1)} s` : '';
   return `robot ${robot.state}${why}, ${(robot.behind / 1000).toFixed(1)} s behind${more}`;
 }
 
@@ -96,7 +96,7 @@ export function learnedInWords(learned: NonNullable<Robot['learned']>): string {
     const [low, middle, high] = interval.map((number) => number.toFixed(0));
     return `${middle}${unit} (${low} to ${high})`;
   };
-  return `soil learned: ${between(learned.friction_angle_deg, '°')}, ${between(learned.cohesion_pa, ' Pa')}`;
+  return `estimated soil: ${between(learned.friction_angle_deg, '°')}, ${between(learned.cohesion_pa, ' Pa')}`;
 }
 
 export class Readouts {
@@ -104,13 +104,13 @@ export class Readouts {
   private readonly force = new Readout('swatch-force', 'force', 'N', 'force', EXPLAIN.force);
   private readonly torque = new Readout('swatch-torque', 'torque', 'mN m', 'torque', EXPLAIN.torque);
   private readonly place = new Readout('swatch-tool', 'above soil', 'mm', 'depth', EXPLAIN.depth);
-  private readonly met = new Readout('swatch-robot', 'robot met', 'N', 'met', EXPLAIN.met);
+  private readonly met = new Readout('swatch-robot', 'remote force', 'N', 'met', EXPLAIN.met);
   private readonly robot = h('span', { class: 'robot-state', tabindex: 0, role: 'group', 'aria-label': 'robot' });
   private readonly learned = h('span', {
     class: 'robot-state',
     tabindex: 0,
     role: 'group',
-    'aria-label': 'soil learned',
+    'aria-label': 'estimated soil',
   });
   private shown_ms = 0;
 
@@ -124,7 +124,7 @@ export class Readouts {
     explain(axes, EXPLAIN.axes);
     this.element = h(
       'div',
-      { class: 'readouts', role: 'group', 'aria-label': 'What the hand feels, and where the tool is' },
+      { class: 'readouts', role: 'group', 'aria-label': 'Force on the hand, and position of the tool' },
       axes,
       ...heads,
       ...this.force.cells,

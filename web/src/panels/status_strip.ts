@@ -44,7 +44,13 @@ class PaceButton {
   constructor(cells: Cell[]) {
     this.details = h(
       'div',
-      { class: 'pace-details', id: 'pace-details', role: 'group', 'aria-label': 'How the loop runs', hidden: true },
+      {
+        class: 'pace-details',
+        id: 'pace-details',
+        role: 'group',
+        'aria-label': 'State of the force loop',
+        hidden: true,
+      },
       this.words,
       ...cells.map((cell) => cell.element),
     );
@@ -159,7 +165,7 @@ export class StatusStrip {
     if (connected) return;
     for (const cell of [this.success, this.missed, this.missed_all, this.p99, this.rate, this.awake, this.clients])
       cell.set(UNKNOWN);
-    this.pace.set(UNKNOWN, 'Nothing is known of a program that does not answer.', 'none');
+    this.pace.set(UNKNOWN, 'No connection to the program.', 'none');
     this.offer.hidden = true;
     this.watch.clear();
   }

@@ -1,6 +1,7 @@
 // Small dialogs that ask for confirmation.
 
 import { h } from '../panels/html';
+import { words } from './words/words';
 
 interface Question {
   title: string;
@@ -67,24 +68,6 @@ export function askFirst(question: Question, act: (words: string) => void, other
 
 /** Asks a participant twice whether to stop taking part. */
 export function askToStop(act: () => void): void {
-  const again = (): void =>
-    askFirst(
-      {
-        title: 'Are you sure?',
-        text: 'The study then ends for you, here and now.',
-        stay: 'No, continue',
-        go_on: 'Yes, end it',
-        swapped: true,
-      },
-      act,
-    );
-  askFirst(
-    {
-      title: 'Do you want to stop taking part?',
-      text: 'You may stop at any time, and need not say why.',
-      stay: 'No, continue',
-      go_on: 'Stop',
-    },
-    again,
-  );
+  const again = (): void => askFirst({ ...words().stop_again, swapped: true }, act);
+  askFirst(words().stop_question, again);
 }

@@ -22,17 +22,17 @@ const JOIN_AGAIN_MS = 2000;
 
 const PHASE_WORDS: Record<Phase, string> = {
   waiting: 'waiting for the participant',
-  consent: 'reads the consent page',
-  form: 'fills in a form',
-  instructions: 'reads the instructions',
-  preparing: 'the bed is made ready',
-  interval: 'feels the soil',
-  question: 'answers',
-  feedback: 'sees whether it was right',
-  break: 'has a break',
+  consent: 'reading the consent page',
+  form: 'filling in a form',
+  instructions: 'reading the instructions',
+  preparing: 'the bed is being prepared',
+  interval: 'exploring the soil',
+  question: 'answering',
+  feedback: 'seeing the feedback',
+  break: 'taking a break',
   paused: 'paused',
-  finished: 'has finished',
-  withdrawn: 'has stopped taking part',
+  finished: 'finished',
+  withdrawn: 'withdrew',
   stopped: 'stopped for today',
 };
 
@@ -44,8 +44,8 @@ const FORCE: PlotSpec = {
   range: steppedRange(0.5),
 };
 
-const BLINDED = 'Hidden, so that nothing in your voice or face tells it.';
-const REASONS = ['distracted', 'pressed the wrong key', 'did not touch the soil', 'trouble with the device'];
+const BLINDED = 'Hidden to keep you blind to the condition.';
+const REASONS = ['distracted', 'pressed the wrong key', 'did not touch the soil', 'problem with the device'];
 
 export function openExperimenterPage(settings: Settings, program: Program): void {
   const now = {
@@ -281,7 +281,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     const { blinded, study } = now;
     setText(unblind_button, blinded ? 'Unblind…' : 'Blind again');
     unblind_button.setAttribute('aria-pressed', String(!blinded));
-    showTrial(now_body, blinded ? null : (study?.now ?? null), blinded ? BLINDED : 'Nothing is shown now.');
+    showTrial(now_body, blinded ? null : (study?.now ?? null), blinded ? BLINDED : 'No stimulus now.');
     showTrial(next_body, blinded ? null : (study?.next ?? null), blinded ? BLINDED : 'Not known yet.');
     group.hidden = blinded || !study?.group;
     setText(group, blinded || !study?.group ? '' : `group ${study.group}`);
@@ -295,8 +295,8 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     if (!now.blinded) return setBlinded(true);
     askFirst(
       {
-        title: 'Show what is felt?',
-        text: 'This page then tells which stimuli are shown, which answers were right and to which group the participant belongs. Who knows it can give it away without noticing. That you have looked is kept as a note in the study.',
+        title: 'Show the stimuli?',
+        text: 'This page then shows the stimuli, the correct answers and the group of the participant. You could disclose them without noticing. The study stores a note that you unblinded the page.',
         stay: 'Stay blinded',
         go_on: 'Unblind',
       },
@@ -326,12 +326,12 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     askFirst(
       {
         title: 'Repeat a trial',
-        text: 'The trial under way is done again; between trials, the one answered last. An answer is kept, marked as repeated, with your reason.',
+        text: 'The running trial is repeated; between trials, the last answered one. Its answer is kept and marked as repeated, with your reason.',
         input,
         suggestions: REASONS,
-        choice: h('label', { class: 'check' }, last, ' The one answered last, though another is under way'),
+        choice: h('label', { class: 'check' }, last, ' Repeat the last answered trial instead of the running one'),
         stay: 'Cancel',
-        go_on: 'Repeat it',
+        go_on: 'Repeat',
       },
       (reason) => tell({ do: 'study', act: 'repeat', which: last.checked ? 'last' : 'now', reason }),
     );
@@ -341,7 +341,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     askFirst(
       {
         title: `End for today?`,
-        text: 'The participant is done for today. What has been answered is kept, and the study can be resumed later.',
+        text: 'This ends the session for today. All answers are kept, and the study can be resumed later.',
         stay: 'Cancel',
         go_on: 'End for today',
       },
@@ -374,7 +374,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
 
 function phaseWords({ paused, phase, now }: ExperimenterMessage): string {
   if (paused) return PHASE_WORDS.paused;
-  if (phase === 'interval' && now) return now.interval === 2 ? 'feels the second' : 'feels the first';
+  if (phase === 'interval' && now) return now.interval === 2 ? 'exploring the second' : 'exploring the first';
   return PHASE_WORDS[phase];
 }
 

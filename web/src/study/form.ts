@@ -2,6 +2,7 @@
 
 import type { Field } from 'haptolith-protocol';
 import { h } from '../panels/html';
+import { words } from './words/words';
 
 const MOST_BUTTONS = 11;
 const MOST_PILLS = 7;
@@ -53,7 +54,7 @@ export class Form {
   private showFaults(): boolean {
     let first: Asked | null = null;
     for (const { field, part, fault } of this.asked) {
-      const missing = field.required && part.answer() === null ? 'Please answer this one.' : null;
+      const missing = field.required && part.answer() === null ? words().form.required : null;
       const text = part.fault() ?? missing;
       fault.textContent = text ?? '';
       if (text !== null) first ??= part;
@@ -75,8 +76,8 @@ function ask(field: Field, id: string): Asked {
       return askWords(field, id);
     case 'yes-no':
       return askChoice(field, id, [
-        ['yes', 'Yes'],
-        ['no', 'No'],
+        ['yes', words().form.yes],
+        ['no', words().form.no],
       ]);
     case 'choice': {
       const choices = field.choices.map((choice): [string, string] => [choice, choice]);
@@ -106,7 +107,7 @@ function labelled(field: Field, id: string, input: HTMLElement): HTMLElement {
 }
 
 function optional(field: Field): HTMLElement | null {
-  return field.required ? null : h('small', { class: 'optional' }, ' (if you like)');
+  return field.required ? null : h('small', { class: 'optional' }, words().form.optional);
 }
 
 function askWords(field: Field, id: string): Asked {
@@ -127,8 +128,8 @@ function askWords(field: Field, id: string): Asked {
     answer: () => input.value.trim() || null,
     fault: () => {
       const { badInput, rangeUnderflow, rangeOverflow } = input.validity;
-      if (badInput) return 'Please write a number.';
-      return rangeUnderflow || rangeOverflow ? `Please write a number from ${field.low} to ${field.high}.` : null;
+      if (badInput) return words().form.number;
+      return rangeUnderflow || rangeOverflow ? words().form.number_between(field.low, field.high) : null;
     },
     focus: () => input.focus(),
   };
@@ -158,7 +159,7 @@ function askChoice(field: Field, id: string, choices: [string, string][], look =
 }
 
 function askList(field: Field, id: string): Asked {
-  const nothing = h('option', { value: '' }, 'Please choose');
+  const nothing = h('option', { value: '' }, words().form.choose);
   const options = field.choices.map((choice) => h('option', { value: choice }, choice));
   const select = h('select', { id, 'aria-required': String(field.required) }, nothing, ...options);
   return {
@@ -180,7 +181,7 @@ function askSlider(field: Field, id: string): Asked {
     max: field.high,
     step,
     'aria-required': String(field.required),
-    'aria-valuetext': 'not answered yet',
+    'aria-valuetext': words().form.not_answered,
   });
   const touch = (): void => {
     if (!slider.classList.contains('unset')) return;

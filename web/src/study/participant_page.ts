@@ -20,7 +20,8 @@ import { LateFrames } from './late_frames';
 import { OneAct } from './one_act';
 import { Prompts } from './prompts';
 import { asSentence, shareDone, waiting, whatIsShown } from './shown';
-import { mustTouch, Touch, TOUCH_FIRST } from './touch';
+import { mustTouch, Touch } from './touch';
+import { chooseLanguage, words } from './words/words';
 
 const JOIN_AGAIN_MS = 2000;
 const CLOCK_INTERVAL_MS = 100;
@@ -28,6 +29,8 @@ const OVER: Phase[] = ['finished', 'withdrawn', 'stopped'];
 const BESIDE_BLOCKS: Phase[] = ['waiting', 'consent', ...OVER];
 
 export function openParticipantPage(settings: Settings, program: Program): void {
+  chooseLanguage(settings.language);
+  document.documentElement.lang = settings.language;
   const now = {
     hello: null as { client: number } | null,
     scene: null as Scene | null,
@@ -74,7 +77,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     {
       go: () => send({ do: 'study', act: 'go' }),
       fill: (values) => {
-        if (isTooLong(values)) notices.toast('This is too much to send: please write less.');
+        if (isTooLong(values)) notices.toast(words().too_long);
         else send({ do: 'study', act: 'fill', values });
       },
       answer: (choice) => send({ do: 'study', act: 'answer', choice }, choice),
@@ -84,7 +87,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
   const progress_text = h('span', { class: 'numbers' });
   const progress_bar = h('div', { class: 'progress-bar', 'aria-hidden': 'true' });
   const problem = h('div', { class: 'problem', role: 'alert', hidden: true });
-  const stop_button = h('button', { type: 'button', class: 'stop', onclick: stop }, 'Stop taking part');
+  const stop_button = h('button', { type: 'button', class: 'stop', onclick: stop }, words().stop);
   const view = h('div', { class: 'view', 'aria-hidden': 'true' });
   const site_card = new SiteCard();
   const page = h(
@@ -101,7 +104,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
   );
   document.querySelector('#app')!.append(page);
   document.documentElement.dataset.theme = settings.theme;
-  document.title = 'Study, haptolith';
+  document.title = words().page_title;
 
   const stage = new Stage(view, {
     reduced_motion: matchMedia('(prefers-reduced-motion: reduce)').matches,
@@ -175,7 +178,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
       countdown.begin(message.remaining_s);
       prompts.show(message);
       touch.begin();
-      if (mustTouch(message)) prompts.hold(TOUCH_FIRST);
+      if (mustTouch(message)) prompts.hold(words().touch_first);
       showScene(message);
       showProgress(message);
       page.dataset.phase = message.phase;
@@ -211,14 +214,15 @@ export function openParticipantPage(settings: Settings, program: Program): void 
       progress_text,
       !in_block
         ? ''
-        : `Part ${progress.block} of ${progress.blocks}` + (trial ? ` · ${trial.trial} of ${trial.trials}` : ''),
+        : words().part(progress.block, progress.blocks) +
+            (trial ? ` · ${words().trial(trial.trial, trial.trials!)}` : ''),
     );
     progress_bar.hidden = !in_block;
     progress_bar.style.setProperty('--share', String(shareDone(progress)));
   }
 
   function onLink(connected: boolean, why: string | null): void {
-    notices.setLink(connected, why === null || why === NO_TOKEN ? why : 'The connection is lost');
+    notices.setLink(connected, why === null || why === NO_TOKEN ? why : words().connection_lost);
     page.classList.toggle('offline', !connected);
     if (connected) return;
     hand.drop();
@@ -242,7 +246,7 @@ export function openParticipantPage(settings: Settings, program: Program): void 
     askToStop(() =>
       connection
         .request({ do: 'study', act: 'quit' })
-        .catch((error: Error) => notices.toast(`${asSentence(error.message)} Please tell the experimenter.`)),
+        .catch((error: Error) => notices.toast(`${asSentence(error.message)} ${words().stop_failed}`)),
     );
   }
 

@@ -1,36 +1,16 @@
 // The participant's screen in each phase: one thing at a time, large enough to be read from two metres.
 
-import type { ParticipantMessage, Phase } from 'haptolith-protocol';
+import type { ParticipantMessage } from 'haptolith-protocol';
 import { h, setText } from '../panels/html';
 import { clockText, type Countdown } from './countdown';
 import { Form } from './form';
+import { words } from './words/words';
 
 export interface Acts {
   go(): void;
   fill(values: Record<string, string>): void;
   answer(choice: 0 | 1): void;
 }
-
-const TITLES: Partial<Record<Phase, string>> = {
-  waiting: 'Please wait',
-  consent: 'Taking part',
-  form: 'A few questions',
-  instructions: 'What to do',
-  preparing: 'One moment',
-  break: 'Time for a break',
-  paused: 'A short pause',
-  finished: 'Thank you',
-  withdrawn: 'Thank you',
-  stopped: 'Thank you, that is all for today',
-};
-
-const TEXTS: Partial<Record<Phase, string>> = {
-  waiting: 'It begins soon.',
-  preparing: 'The next one is being made ready.',
-  paused: 'It goes on in a moment. Please stay as you are.',
-  finished: 'You have done everything there was to do.',
-  withdrawn: 'You have stopped taking part. You need not do anything more.',
-};
 
 export class Prompts {
   readonly element = h('main', { class: 'prompt' });
@@ -52,8 +32,8 @@ export class Prompts {
 
   show(message: ParticipantMessage): void {
     const { phase } = message;
-    const title = message.title || (TITLES[phase] ?? '');
-    const text = message.text || (TEXTS[phase] ?? '');
+    const title = fromProgram(message.title) || (words().titles[phase] ?? '');
+    const text = fromProgram(message.text) || (words().texts[phase] ?? '');
     this.clock = null;
     this.bar = null;
     this.reason = null;
@@ -64,7 +44,10 @@ export class Prompts {
     this.element.dataset.phase = phase;
     this.element.replaceChildren(...parts);
     this.element.scrollTop = 0;
-    setText(this.announcer, [phase === 'interval' ? message.label : title, text].filter(Boolean).join('. '));
+    setText(
+      this.announcer,
+      [phase === 'interval' ? fromProgram(message.label) : title, text].filter(Boolean).join('. '),
+    );
     this.tick();
   }
 
@@ -124,7 +107,7 @@ export class Prompts {
       case 'feedback':
         return [
           mark(message.feedback),
-          h('h1', {}, title || WORDS[message.feedback ?? 'none']),
+          h('h1', {}, title || words().feedback[message.feedback ?? 'none']),
           ...paragraphs(text),
           ...this.goButton(message),
         ];
@@ -147,7 +130,11 @@ export class Prompts {
     const asked = JSON.stringify([title, message.fields]);
     if (this.kept?.asked !== asked) {
       const form = new Form(message.fields, (values) => this.acts.fill(values));
-      const button = h('button', { type: 'submit', class: 'go' }, message.button ?? 'Continue');
+      const button = h(
+        'button',
+        { type: 'submit', class: 'go' },
+        fromProgram(message.button ?? '') || words().continue,
+      );
       form.element.append(h('div', { class: 'go-row' }, button));
       this.kept = { asked, form, button };
     }
@@ -169,7 +156,7 @@ export class Prompts {
       h(
         'div',
         { class: 'interval-label' },
-        h('h1', {}, message.label),
+        h('h1', {}, fromProgram(message.label)),
         h('div', { class: 'dots', 'aria-hidden': 'true' }, ...dots),
         this.timeBar(),
         this.clock,
@@ -196,7 +183,11 @@ export class Prompts {
 
   private goButton(message: ParticipantMessage): HTMLElement[] {
     if (message.button === null) return [];
-    const button = h('button', { type: 'button', class: 'go', onclick: () => this.acts.go() }, message.button);
+    const button = h(
+      'button',
+      { type: 'button', class: 'go', onclick: () => this.acts.go() },
+      fromProgram(message.button),
+    );
     this.buttons = [button];
     queueMicrotask(() => button.focus({ preventScroll: true }));
     return [h('div', { class: 'go-row' }, button)];
@@ -213,6 +204,8 @@ export class Prompts {
   }
 }
 
+const fromProgram = (text: string): string => words().fromProgram(text);
+
 /** Splits a text into its paragraphs at blank lines. */
 export function splitParagraphs(text: string): string[] {
   return text
@@ -225,9 +218,7 @@ function paragraphs(text: string): HTMLElement[] {
   return splitParagraphs(text).map((paragraph) => h('p', {}, paragraph));
 }
 
-const WORDS = { right: 'That was right', wrong: 'That was not right', none: 'Thank you' };
-
-/** A tick or a cross in a ring, distinguished by shape and by colour. */
+/** A tick or a cross in a ring: distinguished by shape and by colour. */
 function mark(feedback: ParticipantMessage['feedback']): HTMLElement {
   const sign = { right: '✓', wrong: '✕', none: '·' }[feedback ?? 'none'];
   return h('div', { class: `mark ${feedback ?? 'none'}`, 'aria-hidden': 'true' }, sign);

@@ -6,8 +6,6 @@ import type { ParticipantMessage, Vec3 } from 'haptolith-protocol';
 // Even a single particle that the tool moves causes a larger force.
 const LEAST_FORCE_N = 0.02;
 
-export const TOUCH_FIRST = 'Touch the soil with the tool first.';
-
 /** Whether the button of the screen waits for a touch. */
 export function mustTouch({ phase, button }: Pick<ParticipantMessage, 'phase' | 'button'>): boolean {
   return phase === 'interval' && button !== null;

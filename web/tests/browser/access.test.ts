@@ -49,7 +49,7 @@ describe('access', () => {
     'says what is missing without a token: %s',
     async (query) => {
       const { page } = await visit({ token: 'a_long_secret_token', study: new MockStudy() }, query);
-      await page.getByText('this address lacks the token').waitFor();
+      await page.getByText('access token missing').waitFor();
       const view = (await page.locator('.view').boundingBox())!;
       const button = (await page.getByRole('button', { name: 'Try now' }).boundingBox())!;
       expect(button.x).toBeGreaterThan(view.x);
@@ -130,7 +130,7 @@ describe('access', () => {
     await page.waitForFunction((select) => (select as HTMLSelectElement).value === 'Moon', await body.elementHandle());
     expect((await scene(page)).body).toBe('Moon');
     await body.selectOption('Mars');
-    await page.getByRole('heading', { name: 'A person is holding the device' }).waitFor();
+    await page.getByRole('heading', { name: 'A user is holding the device' }).waitFor();
     await page.getByRole('button', { name: 'Change it' }).click();
     await page.waitForFunction(() => window.haptolith!.scene!.body === 'Mars');
     await page.locator('#body').selectOption('Earth');

@@ -106,13 +106,13 @@ describe('nobody is kept out', { timeout: 900_000 }, () => {
     const page = await visit({ person_feels: true });
     await page.waitForFunction(() => window.haptolith?.status?.person_feels);
     await page.locator('#body').selectOption('Mars');
-    await page.getByRole('heading', { name: 'A person is holding the device' }).waitFor();
+    await page.getByRole('heading', { name: 'A user is holding the device' }).waitFor();
     await check(page, 'asks-first');
   });
 
   it('of the page that lacks the token', async () => {
     const page = await visit({ token: 'a_long_secret_token' });
-    await page.getByText('this address lacks the token').waitFor();
+    await page.getByText('access token missing').waitFor();
     await check(page, 'no-token');
   });
 
@@ -142,7 +142,7 @@ describe('nobody is kept out', { timeout: 900_000 }, () => {
     }
     await shows('form');
     await page.getByRole('button', { name: 'Continue' }).click();
-    await page.getByText('Please answer this one.').first().waitFor();
+    await page.getByText('Please answer this question.').first().waitFor();
     await check(page, 'participant-form-faults');
     await shows('break');
     await check(page, 'participant-break');
@@ -163,7 +163,7 @@ describe('nobody is kept out', { timeout: 900_000 }, () => {
     await shows('withdrawn');
     await check(page, 'participant-withdrawn');
     await servers.pop()!.close();
-    await page.getByText('The connection is lost').waitFor();
+    await page.getByText('Connection lost').waitFor();
     await check(page, 'participant-gone');
   });
 

@@ -101,7 +101,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
     };
     await chooser.setFiles(drawing);
     await page.locator('#unit').selectOption('10');
-    await page.getByRole('button', { name: 'Dig with it' }).click();
+    await page.getByRole('button', { name: 'Use it' }).click();
     await page.waitForFunction(() => window.haptolith!.scene!.tool.mesh?.name === 'plate.obj');
     expect(await page.getByRole('button', { name: 'Record' }).isVisible()).toBe(false);
     expect(complaints).toEqual([]);
@@ -129,7 +129,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
     await page.getByRole('button', { name: 'Stop' }).click();
     await page.getByRole('button', { name: 'Play' }).waitFor();
     const at = (time: string): Promise<unknown> => {
-      const place = page.getByRole('slider', { name: 'Time in the film' });
+      const place = page.getByRole('slider', { name: 'Time of the animation' });
       return place
         .fill(time)
         .then(() => page.waitForFunction((t) => Math.abs(window.haptolith!.frame!.time_s - t) < 0.2, Number(time)));

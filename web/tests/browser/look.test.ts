@@ -247,13 +247,13 @@ describe('for everybody', () => {
     await page.locator('.pace').click();
     expect(await violations(page)).toEqual([]);
     await page.getByRole('group', { name: 'tick p99' }).hover();
-    await bubble.getByText('Of one hundred ticks').waitFor();
+    await bubble.getByText('99 % of ticks').waitFor();
     await page.keyboard.press('Escape');
     await page.locator('.pace-details').waitFor({ state: 'hidden' });
     await page.mouse.move(600, 300);
     await bubble.waitFor({ state: 'hidden' });
     await page.getByLabel('Friction model').hover();
-    await bubble.getByText('How friction between particles is computed').waitFor();
+    await bubble.getByText('Model of friction between particles').waitFor();
   });
 
   it('writes nothing smaller than 12 pixels', async () => {
@@ -298,7 +298,7 @@ describe('what is shown', () => {
   it('of a loop that is late is one word, the causes at a click, and coarser soil', async () => {
     const { page } = await visit({ late: 'soil' });
     await page.getByRole('button', { name: 'late: coarser soil?' }).click();
-    await page.getByText('The soil is too fine for this machine').waitFor();
+    await page.getByText('The particles are too small for this machine').waitFor();
     await page.getByRole('group', { name: 'missed, last 10 s' }).getByText('too long').waitFor();
     await page.getByRole('button', { name: 'Coarser soil', exact: true }).click();
     await page.getByRole('button', { name: 'Coarser soil', exact: true }).waitFor({ state: 'hidden' });
@@ -345,7 +345,7 @@ describe('what is shown', () => {
     const { page } = await visit();
     const model = page.getByLabel('Friction model');
     expect(await model.locator('option').allInnerTexts()).toEqual(['ICRA 2021 (drag against space)', 'contact']);
-    const warning = page.getByText('This model acts against space');
+    const warning = page.getByText('This model acts against absolute space');
     await warning.waitFor();
     await model.selectOption({ label: 'contact' });
     await warning.waitFor({ state: 'hidden' });

@@ -144,7 +144,7 @@ describe('the page', () => {
     await page.getByText('notes.txt is no drawing of a tool').waitFor();
     await chooser.setFiles({ name: 'plate.obj', mimeType: 'model/obj', buffer: Buffer.from(PLATE) });
     await dialog.getByLabel('Unit of the file').selectOption('centimetres');
-    await dialog.getByRole('button', { name: 'Dig with it' }).click();
+    await dialog.getByRole('button', { name: 'Use it' }).click();
     await expect.poll(tool, { timeout: 60_000 }).toBe('mesh plate.obj');
 
     const drop = await page.evaluateHandle(
@@ -156,12 +156,12 @@ describe('the page', () => {
       PLATE.replaceAll(' 0.5', ' 0.4'),
     );
     await page.dispatchEvent('body', 'dragenter', { dataTransfer: drop });
-    await page.getByText('Drop a drawing here').waitFor();
+    await page.getByText('Drop a mesh file here').waitFor();
     await page.dispatchEvent('body', 'drop', { dataTransfer: drop });
     await dialog.getByLabel('Unit of the file').selectOption('centimetres');
-    await dialog.getByRole('button', { name: 'Dig with it' }).click();
+    await dialog.getByRole('button', { name: 'Use it' }).click();
     await expect.poll(tool, { timeout: 60_000 }).toBe('mesh dropped.obj');
-    expect(await page.getByText('Drop a drawing here').isVisible()).toBe(false);
+    expect(await page.getByText('Drop a mesh file here').isVisible()).toBe(false);
     await page.keyboard.press('r');
     expect(complaints).toEqual([]);
   });

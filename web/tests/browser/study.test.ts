@@ -94,7 +94,7 @@ describe("the participant's page", () => {
     await settle(page);
     await page.keyboard.press('2');
     await shows(page, 'feedback');
-    expect(await page.locator('h1').innerText()).toBe('That was right');
+    expect(await page.locator('h1').innerText()).toBe('Correct');
     expect(study.given).toHaveLength(1);
     expect(study.given[0]!.positive).toBe(true);
     expect(complaints).toEqual([]);
@@ -233,7 +233,7 @@ describe("the participant's page", () => {
     expect(await page.locator('input.unset').count()).toBe(6);
     await settle(page);
     await page.getByRole('button', { name: 'Continue' }).click();
-    expect(await page.getByText('Please answer this one.').count()).toBe(6);
+    expect(await page.getByText('Please answer this question.').count()).toBe(6);
     const marks = 7;
     for (let i = 0; i < 6; ++i) {
       await sliders.nth(i).focus();
@@ -264,7 +264,7 @@ describe("the participant's page", () => {
     await page.getByRole('button', { name: 'Stop', exact: true }).dblclick(); // the second click is ignored
     await page.waitForTimeout(300);
     expect(study.phase).toBe('question');
-    const sure = page.getByRole('button', { name: 'Yes, end it' });
+    const sure = page.getByRole('button', { name: 'Yes, stop' });
     if (!(await sure.isVisible())) {
       await page.getByRole('button', { name: 'Stop taking part' }).click();
       await page.getByRole('button', { name: 'Stop', exact: true }).click();
@@ -291,7 +291,7 @@ describe("the participant's page", () => {
   it('says when the connection is lost, comes back by itself and goes on', async () => {
     const { page, study, address } = await participantAt('question');
     await servers.pop()!.close();
-    await page.getByText('The connection is lost').waitFor();
+    await page.getByText('Connection lost').waitFor();
     const over = (await page.locator('.banner').boundingBox())!;
     expect([over.width, over.height]).toEqual([800, 600]); // nothing of the previous screen is visible around it
     await serve(study, Number(new URL(address).port));

@@ -81,9 +81,9 @@ describe('a film', () => {
 
   it('that is none is told', () => {
     expect(() => readFilm(new TextEncoder().encode('a page that was not found').buffer as ArrayBuffer)).toThrow(
-      /no film/,
+      /not an animation/,
     );
-    expect(() => readFilm(filmOf([]))).toThrow(/no pictures/);
+    expect(() => readFilm(filmOf([]))).toThrow(/no frames/);
   });
 });
 

@@ -57,10 +57,10 @@ describe('the pace of the loop', () => {
     const soil = watch(11, many);
     expect(paceInBrief(soil, true)).toBe('late: coarser soil?');
     expect(paceInBrief(soil, false)).toBe('late');
-    expect(paceInWords(soil, true)).toContain('too fine for this machine');
+    expect(paceInWords(soil, true)).toContain('too small for this machine');
     const others = { ...soil, others: true };
     expect(paceInBrief(others, true)).toBe('late: other programs');
-    expect(paceInWords(others, true)).toMatch(/Other programs take the processor.*Coarser soil/);
+    expect(paceInWords(others, true)).toMatch(/Other programs delay the force loop.*Coarser particles/);
     expect(paceInWords(others, false)).not.toContain('Coarser');
   });
 

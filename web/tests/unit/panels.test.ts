@@ -43,11 +43,9 @@ describe('in words', () => {
     expect(robotInWords({ ...robot, state: 'holding', reason: 'too much force' })).toBe(
       'robot holding (too much force), 2.6 s behind',
     );
-    expect(robotInWords({ ...robot, behind: 9000 })).toBe(
-      'robot following, 9.0 s behind, of which the link takes 2.6 s',
-    );
+    expect(robotInWords({ ...robot, behind: 9000 })).toBe('robot following, 9.0 s behind, link delay 2.6 s');
     expect(robotInWords({ ...robot, heard: false })).toBe('robot silent');
-    expect(robotInWords({ ...robot, heard: false, round_trip_s: 0 })).toBe('no word of the robot yet');
+    expect(robotInWords({ ...robot, heard: false, round_trip_s: 0 })).toBe('no reports from the robot yet');
   });
 
   it('a plot says what each line is now and where it has been', () => {
@@ -76,7 +74,7 @@ describe('a slider', () => {
     expect(sliderExplanation('friction_angle_deg', 'paper')).not.toContain('estimate');
     expect(sliderExplanation('friction_angle_deg', 'contact')).toContain('estimate');
     expect(sliderExplanation('cohesion_pa', 'contact')).toContain('estimate');
-    expect(sliderExplanation('contact_friction', 'contact')).toContain('where two particles touch');
+    expect(sliderExplanation('contact_friction', 'contact')).toContain('between two particles');
     expect(sliderExplanation('another', 'paper')).toBeNull();
   });
 });

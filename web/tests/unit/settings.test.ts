@@ -11,6 +11,7 @@ describe('settings', () => {
       panels: false,
       for_pictures: true,
       study: null,
+      language: 'en',
     });
   });
 
@@ -23,6 +24,7 @@ describe('settings', () => {
       panels: true,
       for_pictures: false,
       study: null,
+      language: 'en',
     });
     expect(readSettings('', false).theme).toBe('dark');
   });

@@ -238,10 +238,8 @@ void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) 
   double speed = 0;
   do {
     if (time_s >= longest_s) {
-      throw Failure(
-          fmt::format("the bed did not come to rest within {:g} s: its fastest particle still moves at {:.2g} "
-                      "m/s",
-                      longest_s, speed));
+      throw Failure(fmt::format("the bed did not settle within {:g} s: its fastest particle moves at {:.2g} m/s",
+                                longest_s, speed));
     }
     for (int i = 0; i < kStepsBetweenLooks; ++i) {
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
@@ -315,13 +313,12 @@ void Bed::findHold(double dt_s, double rest_m_s, const SettleProgress& progress)
   do {
     if (time_s >= kLongestLaying_s) {
       throw Failure(
-          fmt::format("the soil did not come to rest where it was laid within {:g} s: its fastest particle "
-                      "still moves at {:.2g} m/s",
+          fmt::format("the placed soil did not settle within {:g} s: its fastest particle moves at {:.2g} m/s",
                       kLongestLaying_s, largestSpeed()));
     }
     for (int i = 0; i < kStepsBetweenLooks; ++i) {
       if (const StepStatus status = step(dt_s); status != StepStatus::kOk) {
-        throw Failure(fmt::format("the soil did not come to rest where it was laid: {}", text(status)));
+        throw Failure(fmt::format("the placed soil did not settle: {}", text(status)));
       }
     }
     time_s += kStepsBetweenLooks * dt_s;

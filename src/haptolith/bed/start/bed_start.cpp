@@ -116,7 +116,7 @@ Lattice squeezedToHold(const BedParameters& bed, std::size_t particles) {
   }
   if (!holds) {
     throw InvalidParameter("particles", fmt::format("{}", bed.particles),
-                           fmt::format("at most about {} in {} layers of this box; give it more layers or more room",
+                           fmt::format("at most about {} in {} layers of this box; use more layers or a larger box",
                                        placesIn(loose, bed.layers), bed.layers));
   }
   return found;
@@ -163,10 +163,10 @@ std::vector<Vec3> packed(const BedParameters& bed) {
   double first_to_last = 0;
   while (distanceAtForce(law, layers * weight) / 2 + first_to_last + radius < bed.depth_m - radius / 2) {
     if (placesIn(lattice, layers) > kMostParticles) {
-      throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m),
-                             fmt::format("at most about {:.3g} in a box of this size, or there would be more than {} "
-                                         "macroparticles of {:g} mm",
-                                         first_to_last + 2 * radius, kMostParticles, 1e3 * radius));
+      throw InvalidParameter(
+          "depth_m", fmt::format("{:g}", bed.depth_m),
+          fmt::format("at most about {:.3g} in a box of this size; more needs over {} particles of R = {:g} mm",
+                      first_to_last + 2 * radius, kMostParticles, 1e3 * radius));
     }
     first_to_last += layerSpacing(bed.soil, g, layers++);
   }
@@ -235,10 +235,11 @@ void requireGravityToSettle(const BedParameters& bed, double fall_m) {
   const double gravity_m_s2 = bed.gravity_m_s2.norm();
   const double least_m_s2 = double{kSettlingDrag_per_s} * fall_m / (kFalling * kLongestSettling_s);
   if (gravity_m_s2 > 0 && gravity_m_s2 < least_m_s2) {
-    throw InvalidParameter("gravity_m_s2", fmt::format("{:g}", gravity_m_s2),
-                           fmt::format(">= {:.2g} where soil falls by {:.3g} m before it lies; start = \"packed\" or "
-                                       "\"given\" needs none",
-                                       least_m_s2, fall_m));
+    throw InvalidParameter(
+        "gravity_m_s2", fmt::format("{:g}", gravity_m_s2),
+        fmt::format(
+            ">= {:.2g} for soil that falls {:.3g} m; start = \"packed\" or \"given\" also works without gravity",
+            least_m_s2, fall_m));
   }
 }
 

@@ -75,7 +75,7 @@ void stepUntil(Bed& bed, const TileProgress& progress,
   double speed = 0;
   do {
     if (time_s >= kLongestSettling_s) {
-      throw Failure(fmt::format("settled soil did not come to rest within {:g} s: it still moves at {:.2g} m/s",
+      throw Failure(fmt::format("the soil did not settle within {:g} s: its fastest particle moves at {:.2g} m/s",
                                 kLongestSettling_s, speed));
     }
     for (int i = 0; i < kStepsBetweenLooks; ++i) {
@@ -203,7 +203,7 @@ BedTile settledTile(const BedParameters& bed, const TileProgress& progress) {
   const BedParameters wanted = tileBed(bed);
   const std::vector<Float4> grains = poured(wanted, progress);
   if (grains.empty()) {
-    throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m), "deeper than a layer of macroparticles");
+    throw InvalidParameter("depth_m", fmt::format("{:g}", bed.depth_m), "deeper than one layer of particles");
   }
   // With friction, which was off so far: its springs now carry their part.
   Bed rest(wanted, grains);
@@ -236,7 +236,7 @@ LaidSoil laidOut(const BedTile& tile, const BedParameters& bed) {
   if (in_all > kMostParticles) {
     throw InvalidParameter(
         "depth_m", fmt::format("{:g}", bed.depth_m),
-        fmt::format("less: a box of this size would hold {:.3g} macroparticles of {:g} mm; {} are the most", in_all,
+        fmt::format("less: a box of this size would hold {:.3g} particles of R = {:g} mm; the maximum is {}", in_all,
                     1e3 * bed.soil.radius_m, kMostParticles));
   }
   // Overlap of a particle with the sides: none if that is not above 0.
@@ -263,7 +263,7 @@ LaidSoil laidOut(const BedTile& tile, const BedParameters& bed) {
     }
   }
   if (free.centres.empty()) {
-    throw InvalidParameter("width_m", fmt::format("{:g}", bed.width_m), "room for a macroparticle");
+    throw InvalidParameter("width_m", fmt::format("{:g}", bed.width_m), "room for one particle");
   }
   LaidSoil soil{.grains = {}, .sources = {}, .free = free.centres.size()};
   for (const Part* part : {&free, &held}) {

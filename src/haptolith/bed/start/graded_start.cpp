@@ -205,7 +205,7 @@ LyingSoil GradedFilling::filledUp(const std::vector<Float4>& free) const {
     std::ranges::copy_if(free, std::back_inserter(own), [&](const Float4& grain) { return classes.of(grain.w) == c; });
     if (c + 1 == classes_ && own.empty()) {
       throw InvalidParameter("fine_depth_m", fmt::format("{:g}", bed_.grading.fine_depth_m),
-                             "so much that grains fit into the fine soil");
+                             "large enough that particles fit into the fine soil");
     }
     const std::vector<Float4> in_order = ordered(own, radiusOf(c));
     all.grains.insert(all.grains.end(), in_order.begin(), in_order.end());

@@ -149,7 +149,7 @@ std::vector<Pose> startingPlaces(const BedParameters& bed, const Stones& stones,
           "stones.placed",
           fmt::format("a stone {:.4g} mm wide at {:g}, {:g} mm, {:g} mm deep", 2e3 * shape.reach_m, 1e3 * stone.x_m,
                       1e3 * stone.y_m, 1e3 * stone.depth_m),
-          fmt::format("wholly in the box: x within {:.4g} mm, y within {:.4g} mm, at most {:.4g} mm deep",
+          fmt::format("completely in the box: x within {:.4g} mm, y within {:.4g} mm, at most {:.4g} mm deep",
                       1e3 * width_m, 1e3 * length_m, 1e3 * (surface_m - shape.reach_m)));
     }
     standing.add(shape, place);

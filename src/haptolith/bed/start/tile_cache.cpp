@@ -165,11 +165,11 @@ std::optional<BedTile> readTile(const fs::path& file, const Wanted& wanted) {
     const std::string bytes(std::istreambuf_iterator<char>(in), {});
     std::optional<BedTile> tile = tileIn(bytes, wanted);
     if (!tile) {
-      tell(fmt::format("{} is damaged or no tile of this soil: it is made anew", file.string()));
+      tell(fmt::format("{}: cache file is damaged or for another soil; it is generated again", file.string()));
     }
     return tile;
   } catch (const std::exception& error) {
-    tell(fmt::format("{}: the tile is made anew", error.what()));
+    tell(fmt::format("{}: the cache file is generated again", error.what()));
     return std::nullopt;
   }
 }
@@ -203,7 +203,7 @@ void makeRoom(const fs::path& folder) {
 /// Writes a cache file, without listing it for the user: completely or not at all.
 void writeTile(const fs::path& file, const std::string& bytes) {
   const auto fail = [&](const char* what) {
-    tell(fmt::format("cannot {} {}: {}; soil settles anew each time (HAPTOLITH_CACHE names another folder)", what,
+    tell(fmt::format("cannot {} {}: {}; soil settles again in each run (HAPTOLITH_CACHE selects another folder)", what,
                      file.string(), std::strerror(errno)));
   };
   std::error_code error;

@@ -89,7 +89,7 @@ class Recorder {
     }
     if (now.trips > trips_) {
       trips_ = now.trips;
-      add("trip", now.time_s, *now.trip != '\0' ? now.trip : "the hand was let go");
+      add("trip", now.time_s, *now.trip != '\0' ? now.trip : "safety trip");
     }
     if (now.running == 0 && *now.end != '\0' && !ended_) {
       ended_ = true;
@@ -123,10 +123,10 @@ class Recorder {
     writer_.finish(lost_ - lost_before_);
     requireNoProblem();
     if (gone && !ended_) {
-      throw Failure("the loop was destroyed before its recorder was finished: its last ticks may be missing");
+      throw Failure("the loop was destroyed before its recorder was finished: the last ticks may be missing");
     }
     if (const std::uint64_t missing = writer_.written().missing; missing > 0) {
-      throw Failure(std::to_string(missing) + " ticks are missing in the recording: nobody took them in time");
+      throw Failure(std::to_string(missing) + " ticks are missing in the recording: they were not taken in time");
     }
   }
 
@@ -182,7 +182,7 @@ class Recorder {
 
   void requireWriter() const {
     if (finished_) {
-      throw InvalidParameter("recorder", "finished", "one that is not");
+      throw RefusedAction("recorder", "the recorder is already finished");
     }
   }
   void requireNoProblem() const {

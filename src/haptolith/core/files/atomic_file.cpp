@@ -86,24 +86,23 @@ void requireFree(const OutputFile& file) {
   }
   if (constexpr auto kWriters = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
       fs::exists(status) && (status.permissions() & kWriters) == fs::perms::none) {  // also for root, who may do all
-    throw Failure(fmt::format("{} is write-protected: choose another name", path.string()));
+    throw Failure(fmt::format("cannot replace {}: it is write-protected; choose another name", path.string()));
   }
   if (const std::string_view kind = irreplaceable(path); !kind.empty()) {
-    throw Failure(
-        fmt::format("{} is {}, and no other kind of file replaces it: choose another name", path.string(), kind));
+    throw Failure(fmt::format("cannot replace {}: it is {}; choose another name", path.string(), kind));
   }
   if (isInput(path)) {
-    throw Failure(fmt::format("{} is read by this command: choose another name", path.string()));
+    throw Failure(fmt::format("cannot replace {}: this command reads it; choose another name", path.string()));
   }
   if (file.if_there == IfThere::kRefuse) {
-    throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", path.string()));
+    throw Failure(fmt::format("{} already exists: choose another name, or add --overwrite", path.string()));
   }
 }
 
 fs::path temporaryBeside(const fs::path& path, std::string_view what, std::size_t longest_bytes) {
   std::uint64_t random = 0;
   if (getrandom(&random, sizeof(random), 0) != sizeof(random)) {
-    failAt("find a name beside", path);
+    failAt("find a free name next to", path);
   }
   // The extension stays last, so that a program that chooses the format by it can write here. A long name loses its end
   // instead, between two characters of UTF-8.
@@ -192,7 +191,7 @@ void AtomicFile::commit() {
         fmt::format("{}-{}{}", target_.path.stem().string(), number, target_.path.extension().string()));
     if (tryName(temporary_, other, IfThere::kRefuse)) {
       throw Failure(
-          fmt::format("{} has come to be there meanwhile: saved as {}", target_.path.string(), other.string()));
+          fmt::format("{} was created by another program: saved as {}", target_.path.string(), other.string()));
     }
   }
   errno = EEXIST;

@@ -39,7 +39,7 @@ void requireInside(const fs::path& name) {
 AtomicFolder::AtomicFolder(const fs::path& path, IfThere if_there, Readers readers)
     : path_(withoutSlash(path)), making_(temporaryBeside(path_, "part")), if_there_(if_there), readers_(readers) {
   if (fs::exists(fs::symlink_status(path_)) && (if_there == IfThere::kRefuse || !fs::is_directory(path_))) {
-    throw Failure(fmt::format("{} exists already: choose another name", path_.string()));
+    throw Failure(fmt::format("{} already exists: choose another name", path_.string()));
   }
   if (mkdir(making_.c_str(), readers == Readers::kOwner ? 0700 : 0777) != 0) {
     throw Failure(fmt::format("cannot create {}: {}", path_.string(), std::strerror(errno)));

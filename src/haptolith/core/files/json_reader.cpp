@@ -16,7 +16,7 @@ bool JsonValue::has(std::string_view key) const {
 JsonValue JsonValue::at(std::string_view key) const {
   std::optional<JsonValue> found = find(key);
   if (!found) {
-    throw InvalidParameter(pathOf(key), "missing", "given");
+    throw RefusedAction(pathOf(key), fmt::format("{} is missing", pathOf(key)));
   }
   return *std::move(found);
 }
@@ -43,7 +43,7 @@ std::vector<std::pair<std::string, JsonValue>> JsonValue::members() const {
 void JsonValue::refuseOtherKeys() const {
   for (const auto& [key, value] : json_->items()) {
     if (std::ranges::find(read_, &value) == read_.end()) {
-      throw InvalidParameter(pathOf(key), "given", "left out: there is no such key here");
+      throw RefusedAction(pathOf(key), fmt::format("{} is not known: remove this key", pathOf(key)));
     }
   }
 }

@@ -48,7 +48,7 @@ void waitFor(const Descriptor& descriptor, short event, const Deadline& deadline
       throw Failure("interrupted");
     }
     if (std::chrono::steady_clock::now() > deadline.until) {
-      throw Failure("no answer in time");
+      throw Failure("no response in time");
     }
   }
 }
@@ -233,7 +233,7 @@ bool ChildProcess::wait(std::chrono::milliseconds timeout) {
       throw Failure("interrupted");
     }
     if (std::chrono::steady_clock::now() > until) {
-      throw Failure(fmt::format("{} has not ended in time, and is ended", name_));
+      throw Failure(fmt::format("{} did not end in time and was stopped", name_));
     }
   }
   return succeeded_;

@@ -162,7 +162,7 @@ void ForceDimension::findZero(const ForceDimensionPlaces& places) {
     return;
   }
   check(sdk_.drd_auto_init(device_.id), "drdAutoInit",
-        "bring the handle to the middle of its reach, take the hand off, and start again");
+        "move the handle to the centre of its workspace, remove the hand, and start again");
   constexpr bool kLeaveForcesOn = true;
   check(sdk_.drd_stop(kLeaveForcesOn, device_.id), "drdStop", "switch the device off and on, and start again");
 }
@@ -172,10 +172,9 @@ void ForceDimension::homeByHand(double timeout_s) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
   while (!sdk_.drd_is_initialized(device_.id)) {
     if (std::chrono::steady_clock::now() > until) {
-      throw Failure(
-          fmt::format("{}: not homed within {:g} s. What to do: start again, pull the handle out as far as it goes and "
-                      "push it in again",
-                      name_, timeout_s));
+      throw Failure(fmt::format(
+          "{}: not homed within {:g} s. What to do: start again, pull the handle out completely and push it in again",
+          name_, timeout_s));
     }
     check(sendZero(sdk_, device_.id), "dhdSetForceAndTorqueAndGripperForce", "check the device's power and USB cable");
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -451,7 +450,7 @@ std::string_view ForceDimension::problem() const noexcept {
     case Trouble::kTurning: what = "dhdGetAngularVelocityRad failed"; break;
     case Trouble::kGripper: what = "dhdGetGripperAngleRad failed"; break;
     case Trouble::kForce: what = "dhdSetForceAndTorqueAndGripperForce failed"; break;
-    case Trouble::kNotFinite: what = "it reported a pose that is not a number"; break;
+    case Trouble::kNotFinite: what = "it reported a pose that is not finite"; break;
     case Trouble::kNoRotation: what = "it reported an orientation of its handle that is not a rotation"; break;
   }
   const bool call_failed = lost_by_ != Trouble::kNotFinite && lost_by_ != Trouble::kNoRotation;

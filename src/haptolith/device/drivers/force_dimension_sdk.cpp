@@ -139,7 +139,7 @@ ForceDimensionSdk::ForceDimensionSdk(const fs::path& wanted, const ForceDimensio
     disable_expert_mode = library.symbol("dhdDisableExpertMode");
     set_watchdog = library.symbol("dhdSetWatchdog");
   } catch (const Failure& missing) {
-    throw Failure(fmt::format("{}. It is no SDK of Force Dimension, or too old a one", missing.what()));
+    throw Failure(fmt::format("{}. It is not an SDK of Force Dimension, or it is too old", missing.what()));
   }
 }
 

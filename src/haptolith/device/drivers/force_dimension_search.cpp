@@ -107,7 +107,7 @@ DeviceReport whyNoForceDimension(const ForceDimensionPlaces& places, const std::
     report.remedy = "plug the device in and switch it on";
   } else {
     report.why_not = fmt::format("{}, but it is plugged in: {}", what_failed, fmt::join(plugged_in, ", "));
-    report.remedy = "end other programs that use it; if there are none, " + permissionRemedy();
+    report.remedy = "end other programs that use it; if no program uses it, " + permissionRemedy();
   }
   return report;
 }
@@ -135,7 +135,7 @@ int forceDimensionIndex(const std::string& id, const ForceDimensionSdk& sdk, con
   std::vector<std::string> names(all.size());
   std::transform(all.begin(), all.end(), names.begin(),
                  [](const Listed& one) { return fmt::format("{} ({})", one.id(), one.opens ? one.name : one.error); });
-  throw Failure(fmt::format("Force Dimension: no device is called {}. There are: {}", id, fmt::join(names, ", ")));
+  throw Failure(fmt::format("Force Dimension: there is no device {}. Available: {}", id, fmt::join(names, ", ")));
 }
 
 std::string forceDimensionUdevRule() {

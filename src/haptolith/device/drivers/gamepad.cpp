@@ -66,7 +66,7 @@ Found choose(const std::vector<Found>& found, const std::string& id) {
     }
     there += fmt::format("{}{} ({})", number == 0 ? "" : ", ", number, found[number].name);
   }
-  throw Failure(fmt::format("no gamepad '{}': there is {}; give one's number or name", id, there));
+  throw Failure(fmt::format("no gamepad '{}': available are {}; use a number or a name", id, there));
 }
 
 }  // namespace
@@ -184,7 +184,7 @@ class Gamepad::Pad {
 Gamepad::Gamepad(const DeviceParameters& parameters, double tick_s) : handle_(tick_s) {
   auto pad = std::make_unique<Pad>(parameters.id);
   name_ = pad->name();
-  problem_ = fmt::format("the gamepad {} is gone: plug it in again or switch it on, and it goes on", name_);
+  problem_ = fmt::format("the gamepad {} is disconnected: connect it or switch it on to continue", name_);
   thread_ = std::jthread([this, pad = std::move(pad)](const std::stop_token& stop) { serve(stop, *pad); });
 }
 

@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::string_view kHaplyAddress = "ws://localhost:10001";
 constexpr std::string_view kInstall =
     "start the Haply Hub or the haply-inverse-service, or give the service's address as ws://HOST:PORT";
-constexpr std::string_view kPlugIn = "plug it in and switch it on, and see that the Haply Hub shows it";
+constexpr std::string_view kPlugIn = "plug it in, switch it on, and check that the Haply Hub shows it";
 constexpr auto kOpenPatience = 2s;
 constexpr auto kFindPatience = 300ms;
 constexpr auto kHaplyPeriod = 1ms;
@@ -113,14 +113,14 @@ struct Session {
       }
       if (!ended || *ended) {
         throw Failure(fmt::format("cannot {} the Haply service at {}: {}; {}", what, where,
-                                  ended ? ended->message() : "it does not answer in time", remedy));
+                                  ended ? ended->message() : "it does not respond in time", remedy));
       }
     };
     auto& tcp = beast::get_lowest_layer(stream);
     wait("reach", kInstall, [&](auto done) { tcp.async_connect(address.endpoints, done); });
     tcp.socket().set_option(Tcp::no_delay(true));
     stream.read_message_max(kLargestMessage);
-    constexpr std::string_view kOther = "something else listens there: give the service's address as ws://HOST:PORT";
+    constexpr std::string_view kOther = "another program listens there: give the service's address as ws://HOST:PORT";
     wait("talk to", kOther, [&](auto done) { stream.async_handshake(address.host, "/", done); });
     wait("hear from", "restart the service", [&](auto done) { stream.async_read(buffer, done); });
     inventory_text = beast::buffers_to_string(buffer.data());
@@ -147,7 +147,7 @@ class Inverse3::Connection {
       : where_(usualAddressOr(parameters.address)), session_(where_, kOpenPatience) {
     const std::vector<std::string>& there = session_.inventory.devices;
     if (there.empty()) {
-      throw Failure(fmt::format("the Haply service at {} knows of no Inverse3; {}", where_, kPlugIn));
+      throw Failure(fmt::format("the Haply service at {} has no Inverse3; {}", where_, kPlugIn));
     }
     if (!parameters.id.empty() && std::ranges::find(there, parameters.id) == there.end()) {
       throw Failure(fmt::format("the Haply service at {} has no Inverse3 '{}', only {}; choose one of them, or {}",
@@ -393,7 +393,7 @@ std::vector<DeviceReport> findInverse3(const DeviceParameters& parameters) {
   try {
     const Session session(where, kFindPatience);
     if (session.inventory.devices.empty()) {
-      return none(fmt::format("the Haply service at {} knows of no Inverse3", where), kPlugIn);
+      return none(fmt::format("the Haply service at {} has no Inverse3", where), kPlugIn);
     }
     std::vector<DeviceReport> reports;
     for (const std::string& id : session.inventory.devices) {

@@ -174,9 +174,8 @@ DeviceInput Mouse::read() noexcept {
 }
 
 std::string_view Mouse::problem() const noexcept {
-  return closed_.load(std::memory_order_relaxed)
-             ? "the mouse's window has been closed: start haptolith again to have it back"
-             : std::string_view{};
+  return closed_.load(std::memory_order_relaxed) ? "the window of the mouse was closed: start haptolith again"
+                                                 : std::string_view{};
 }
 
 void Mouse::serve(const std::stop_token& stop, std::promise<void>& opened) {

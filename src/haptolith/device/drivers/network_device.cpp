@@ -36,7 +36,7 @@ sockaddr_in socketAddressOf(std::string_view text) {
   const auto refuse = [&] {
     return InvalidParameter("address", fmt::format("'{}'", text),
                             "HOST:PORT with an IPv4 address of this machine, for example 127.0.0.1:9050 for this "
-                            "machine alone or 0.0.0.0:9050 for others, too");
+                            "machine only or 0.0.0.0:9050 for all machines");
   };
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) {
@@ -126,10 +126,10 @@ NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkTi
   if (!parameters.key.empty()) {
     key_.emplace(parameters.key);
   } else if (!isThisMachine(address) && !parameters.insecure) {
-    throw InvalidParameter("address", fmt::format("'{}'", text),
-                           "one of this machine alone, such as 127.0.0.1:9050, unless packets are signed "
-                           "(--device-key-file, docs/reference/udp.md) or all users of the network are trusted "
-                           "(--device-insecure)");
+    throw InvalidParameter(
+        "address", fmt::format("'{}'", text),
+        "one of this machine only, such as 127.0.0.1:9050, unless packets are signed (--device-key-file, "
+        "docs/reference/udp.md) or all users of the network are trusted (--device-insecure)");
   }
   const auto fail = [&](const char* remedy) {
     return Failure(fmt::format("cannot listen for UDP packets at {}: {}; {}", text, strerrordesc_np(errno), remedy));
@@ -391,7 +391,7 @@ bool NetworkDevice::sendTo(std::uint64_t receiver, const AnswerPacket& packet, c
 void NetworkDevice::lose(const char* reason) noexcept {
   const auto end =
       fmt::format_to_n(problem_.data(), problem_.size(),
-                       "the network device cannot receive at port {} any more: {}; start the run again", port_, reason);
+                       "the network device cannot receive at port {}: {}; start the run again", port_, reason);
   problem_size_ = std::min(end.size, problem_.size());
   input_.state = DeviceState::kLost;
   input_.twist = {};
@@ -443,7 +443,7 @@ std::vector<std::string> NetworkDevice::inputWarnings() const {
 
 std::string NetworkDevice::inputSummary() const {
   const std::array<std::string_view, kPacketFaults> faults{
-      "of wrong size",        "of another format",           "of another version",
+      "with wrong size",      "in another format",           "in another version",
       "with NaN or infinity", "with an invalid orientation", "out of range"};
   std::string text = fmt::format("{} taken", counts_.taken);
   const auto add = [&text](std::uint64_t count, std::string_view what) {
@@ -451,14 +451,14 @@ std::string NetworkDevice::inputSummary() const {
       text += fmt::format(", {} {}", count, what);
     }
   };
-  add(counts_.waited, "of them too old to move the tool");
+  add(counts_.waited, "too old to move the tool");
   for (std::size_t i = 0; i < kPacketFaults; ++i) {
     add(counts_.malformed[i], faults[i]);
   }
   add(counts_.late, "late or repeated");
-  add(counts_.others, "of other senders");
+  add(counts_.others, "from other senders");
   add(counts_.forged, "forged");
-  add(counts_.unsent, "answers not sent");
+  add(counts_.unsent, "replies not sent");
   return text;
 }
 

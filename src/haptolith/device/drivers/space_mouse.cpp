@@ -19,7 +19,7 @@ namespace {
 constexpr int kSpaceMouseWait_ms = 20;
 
 constexpr std::string_view kNoDaemon =
-    "the daemon of SpaceMice, spacenavd, does not answer at /var/run/spnav.sock (or where SPNAV_SOCKET or /etc/spnavrc "
+    "the SpaceMouse daemon, spacenavd, does not respond at /var/run/spnav.sock (or where SPNAV_SOCKET or /etc/spnavrc "
     "says)";
 constexpr std::string_view kNoDaemonRemedy = "sudo apt-get install spacenavd; sudo systemctl start spacenavd";
 constexpr std::string_view kNoPuck = "spacenavd runs, but has no SpaceMouse";
@@ -46,7 +46,7 @@ Deflection deflectionOf(const PuckCounts& counts) noexcept {
 
 SpaceMouse::Connection::Connection() : spnav(Spnav::get()) {
   if (spnav.fd() >= 0) {
-    throw Failure("the SpaceMouse is in use by this program already");
+    throw Failure("the SpaceMouse is already in use by this program");
   }
   if (spnav.open() != 0) {
     throw Failure(fmt::format("{}: {}", kNoDaemon, kNoDaemonRemedy));
@@ -60,7 +60,7 @@ SpaceMouse::Connection::~Connection() {
 SpaceMouse::SpaceMouse(const DeviceParameters& parameters, double tick_s) : handle_(tick_s) {
   if (!parameters.id.empty() && parameters.id != "0") {
     throw InvalidParameter("id", fmt::format("'{}'", parameters.id),
-                           "empty or 0: spacenavd makes one of all SpaceMice");
+                           "empty or 0: spacenavd combines all SpaceMice into one");
   }
   if (!hasPuck(connection_.spnav)) {
     throw Failure(fmt::format("{}: {}", kNoPuck, kNoPuckRemedy));
@@ -86,10 +86,9 @@ DeviceInput SpaceMouse::read() noexcept {
 
 std::string_view SpaceMouse::problem() const noexcept {
   switch (loss_.load(std::memory_order_relaxed)) {
-    case Loss::kPuck: return "the SpaceMouse has been unplugged: plug it in again, and it goes on";
+    case Loss::kPuck: return "the SpaceMouse was unplugged: plug it in to continue";
     case Loss::kDaemon:
-      return "the daemon of SpaceMice, spacenavd, has ended: sudo systemctl start spacenavd, then start haptolith "
-             "again";
+      return "the SpaceMouse daemon, spacenavd, has ended: sudo systemctl start spacenavd, then start haptolith again";
     case Loss::kNone: break;
   }
   return {};

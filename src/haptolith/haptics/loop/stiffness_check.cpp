@@ -31,10 +31,10 @@ StiffnessCheck checkStiffness(const HandlingParameters& handling, const ToolPara
   check.declared_n_s_m = device.damping_n_s_m;
   check.text = fmt::format(
       "the tool can be as stiff as {:.0f} N/m at the device ({}), which takes {:.2g} N s/m of damping; the device has "
-      "{:.2g}: it may vibrate when held loosely. {}",
+      "{:.2g}: it can vibrate when held loosely. {}",
       check.stiffness_n_m,
       is_virtual ? std::string("the virtual coupling")
-                 : fmt::format("{:.0f} contacts of {:g} N/m at once", contacts, tool.stiffness_n_m),
+                 : fmt::format("{:.0f} simultaneous contacts of {:g} N/m", contacts, tool.stiffness_n_m),
       check.needed_n_s_m, check.declared_n_s_m,
       is_virtual ? "A softer [coupling] helps"
                  : "A smaller [mapping] force_scale helps, or [coupling] kind = \"virtual\"");

@@ -192,7 +192,7 @@ std::thread startHelper() {
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
   try {
-    std::thread helper = startThread("the helper that lets go of the hand when the program dies", help);
+    std::thread helper = startThread("the helper that sets the force to zero when the program ends", help);
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
     return helper;
   } catch (...) {

@@ -46,12 +46,12 @@ const char* text(SafetyTrip trip) noexcept {
     case SafetyTrip::kNone: return "none";
     case SafetyTrip::kDeviceNotFinite: return "the device's pose or velocity is NaN or infinite";
     case SafetyTrip::kStale: return "the device has stopped sending new readings";
-    case SafetyTrip::kLost: return "the device is gone";
+    case SafetyTrip::kLost: return "the device is disconnected";
     case SafetyTrip::kWorkspace: return "the hand left the workspace";
     case SafetyTrip::kMissedDeadlines: return "too many deadlines in a row were missed";
-    case SafetyTrip::kHeartbeat: return "the loop did not answer in time";
+    case SafetyTrip::kHeartbeat: return "the loop did not respond in time";
     case SafetyTrip::kForceNotFinite: return "the force is NaN or infinite";
-    case SafetyTrip::kImplausible: return "the device reported a movement faster than any hand";
+    case SafetyTrip::kImplausible: return "the device reported an impossibly fast movement";
   }
   return "";
 }

@@ -7,10 +7,10 @@ namespace haptolith {
 const char* text(LoopEnd end) noexcept {
   switch (end) {
     case LoopEnd::kRunning: return "running";
-    case LoopEnd::kDuration: return "the time asked for is over";
+    case LoopEnd::kDuration: return "duration reached";
     case LoopEnd::kStopped: return "stopped";
-    case LoopEnd::kFinished: return "the recorded movement is over";
-    case LoopEnd::kHandLeft: return "the hand left the scene: it may move up to 1 m beyond the box";
+    case LoopEnd::kFinished: return "end of the recorded movement";
+    case LoopEnd::kHandLeft: return "the hand left the scene: it can move up to 1 m beyond the box";
     case LoopEnd::kLost: return text(SafetyTrip::kLost);
     case LoopEnd::kNotFinite: return text(StepStatus::kNotFinite);
     case LoopEnd::kCollapsed: return text(StepStatus::kCollapsed);

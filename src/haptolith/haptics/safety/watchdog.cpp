@@ -11,7 +11,7 @@ namespace haptolith {
 Watchdog::Watchdog(HapticDevice& device, double timeout_s)
     : device_(device),
       timeout_ns_(std::llround(timeout_s * 1e9)),
-      thread_(startThread("the watchdog that lets go of the hand", [this] { live(); })) {}
+      thread_(startThread("the safety watchdog", [this] { live(); })) {}
 
 Watchdog::~Watchdog() {
   stop();

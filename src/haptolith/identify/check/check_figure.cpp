@@ -55,8 +55,8 @@ void drawCheck(const OutputFile& file, const std::vector<CheckedSoil>& soils) {
     figure.data(soil, rowsOf(soils, panel, false));
     figure.data(stone, rowsOf(soils, panel, true));
     figure.command(
-        fmt::format("set title '{}'\nset xlabel 'measured by a shear test, {}'\nset ylabel 'told from forces, {}'\n"
-                    "set xrange {}\nset yrange {}\nset key {}",
+        fmt::format("set title '{}'\nset xlabel 'measured by a shear test, {}'\nset ylabel 'estimated from forces, "
+                    "{}'\nset xrange {}\nset yrange {}\nset key {}",
                     panel.title, panel.unit, panel.unit, panel.axes, panel.axes, number == 0 ? "on" : "off"));
     if (number == 2) {
       figure.command("set xlabel 'set, degrees'");

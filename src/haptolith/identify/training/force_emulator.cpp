@@ -124,7 +124,7 @@ void ForceEmulator::chooseFeatures(const Training& training) {
     }
   }
   if (features_.empty()) {
-    throw InvalidParameter("training", "a movement in the air", "one that meets soil");
+    throw InvalidParameter("training", "a movement in the air", "a movement in soil");
   }
 }
 

@@ -87,12 +87,11 @@ HeapProfile heapProfile(std::span<const Vec3> centres_m, const HeapCase& heap) {
   profile.rings = surfaceRings(centres_m, heap, ring_width);
   profile.flank = flankOf(profile.rings);
   if (profile.flank.size() < 3) {
-    throw Failure(fmt::format(
-        "the soil has no slope to measure: of its {} particles, {} rings of {:.4g} mm have their surface between 20 % "
-        "and "
-        "80 % of its height, and 3 are needed. Soil with cohesion may stand as a column: try one without (dry-sand), "
-        "stronger gravity, or more soil",
-        centres_m.size(), profile.flank.size(), ring_width * 1000));
+    throw Failure(
+        fmt::format("the soil has no slope to measure: with {} particles, only {} rings of {:.4g} mm have their "
+                    "surface between 20 % and 80 % of the height; 3 are needed. Cohesive soil can stand as a column: "
+                    "use soil without cohesion (dry-sand), stronger gravity, or more soil",
+                    centres_m.size(), profile.flank.size(), ring_width * 1000));
   }
 
   std::vector<double> distance;

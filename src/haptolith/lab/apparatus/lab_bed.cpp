@@ -105,7 +105,8 @@ std::vector<Vec3> looseSoil(const SoilParameters& soil, const LabBox& box, std::
       }
     }
     if (storey == 100 && centres.empty()) {
-      throw InvalidParameter("radius_m", fmt::format("{:g}", soil.radius_m), "small enough to fit where the soil goes");
+      throw InvalidParameter("radius_m", fmt::format("{:g}", soil.radius_m),
+                             "small enough to fit into the soil region");
     }
   }
   return centres;
@@ -141,8 +142,9 @@ std::size_t particlesFor(const SoilParameters& soil, double volume_m3) {
   const double sphere = 4.0 / 3 * std::numbers::pi * std::pow(soil.radius_m, 3);
   const double particles = std::max(1.0, kRandomPacking * volume_m3 / sphere);
   if (!(particles <= kMost)) {
-    throw InvalidParameter("particles that the test takes", fmt::format("{:.3g}", particles),
-                           fmt::format("{:g} or less: with larger ones (radius_mm), or a smaller tool and box", kMost));
+    throw InvalidParameter(
+        "particles that the test takes", fmt::format("{:.3g}", particles),
+        fmt::format("{:g} or less: use larger particles (radius_mm), or a smaller tool and box", kMost));
   }
   return static_cast<std::size_t>(particles);
 }
@@ -328,7 +330,7 @@ void LabBed::settle(Preparation preparation) {
     settleUntilRest(longest_s, "the soil settles", {0, 0.7});
   }
   bed_.setSettling(false);
-  settleUntilRest(longest_s, "the soil comes to rest", {preparation == Preparation::kDense ? 0.7 : 0, 1});
+  settleUntilRest(longest_s, "the soil is settling", {preparation == Preparation::kDense ? 0.7 : 0, 1});
 }
 
 void LabBed::settleUntilRest(double longest_s, std::string_view what, const Part& part) {
@@ -343,8 +345,8 @@ void LabBed::settleUntilRest(double longest_s, std::string_view what, const Part
       return;
     }
   }
-  throw Failure(fmt::format("{}, but not within {:g} s: its fastest particle still moves at {:.2g} m/s", what,
-                            longest_s, bed_.largestSpeed()));
+  throw Failure(fmt::format("{}, but did not come to a stop within {:g} s: its fastest particle moves at {:.2g} m/s",
+                            what, longest_s, bed_.largestSpeed()));
 }
 
 }  // namespace haptolith

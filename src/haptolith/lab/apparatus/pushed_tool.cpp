@@ -48,7 +48,7 @@ double firstContact(const std::vector<PushReading>& raw, double contact_n) {
   const auto touching =
       std::ranges::find_if(raw, [&](const PushReading& reading) { return reading.force_n > contact_n; });
   if (touching == raw.end()) {
-    throw Failure(fmt::format("the tool was pushed in but never met {:.3g} N", contact_n));
+    throw Failure(fmt::format("the tool was pushed in, but its force stayed below {:.3g} N", contact_n));
   }
   return touching->depth_m;
 }

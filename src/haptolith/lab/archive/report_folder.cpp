@@ -43,7 +43,7 @@ Json read(const fs::path& path) {
   std::ifstream file = openInput(path, kMostReportBytes);
   Json json = Json::parse(file, nullptr, false);
   if (!json.is_object()) {
-    throw Failure(fmt::format("{} is not what lab report has written", path.string()));
+    throw Failure(fmt::format("{} is not a result of lab report", path.string()));
   }
   return json;
 }
@@ -62,14 +62,13 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
   } else {
     if (if_there == ReportThere::kRefuse) {
       throw Failure(
-          fmt::format("{} exists already: add --resume to go on with the report in it, --overwrite to begin it anew, "
-                      "or choose another name with --out",
+          fmt::format("{} already exists: add --resume to continue the report in it, --overwrite to restart it, or "
+                      "choose another name with --out",
                       path_.string()));
     }
     const bool holds_report = fs::exists(path_ / kReportConditions);
     if (!holds_report && !(fs::is_directory(path_) && fs::is_empty(path_))) {
-      throw Failure(
-          fmt::format("{} holds something else than a report: choose another name with --out", path_.string()));
+      throw Failure(fmt::format("{} does not contain a report: choose another name with --out", path_.string()));
     }
     lock();
     if (!holds_report || if_there == ReportThere::kReplace) {
@@ -78,7 +77,7 @@ ReportFolder::ReportFolder(const fs::path& path, const Json& conditions, ReportT
     } else if (const auto different = differences(read(path_ / kReportConditions), now, "{} was {} and is {}");
                !different.empty()) {
       throw Failure(
-          fmt::format("{} holds a report that was made under other conditions: {}. Resume it under its own, or choose "
+          fmt::format("{} contains a report with other conditions: {}. Resume it with the same conditions, or choose "
                       "another name with --out",
                       path_.string(), fmt::join(different, "; ")));
     }
@@ -132,8 +131,7 @@ void ReportFolder::lock() {
   }
   if (flock(locked_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     throw Failure(
-        fmt::format("another process works on the report in {}: wait until it ends, or choose another name "
-                    "with --out",
+        fmt::format("another process writes the report in {}: wait until it ends, or choose another name with --out",
                     path_.string()));
   }
 }

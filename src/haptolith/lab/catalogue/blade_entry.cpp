@@ -115,7 +115,7 @@ Json expectationJson(const BladeExpectation& expected, const std::optional<MohrC
 LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, BladeOptions options, bool own_strength) {
   if (options.cohesion_pa != 0 && !own_strength) {
     throw InvalidParameter("soil_cohesion_pa", fmt::format("{:g}", options.cohesion_pa),
-                           "given beside friction_angle_deg: without that, shearing tells both");
+                           "given with friction_angle_deg; without it, both are simulated by shearing");
   }
   validate(conditions, options);  // fails now, not after minutes
   StagedProgress progress(conditions.progress);
@@ -165,30 +165,30 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
 LabTest bladeEntry() {
   auto own = std::make_shared<BladeOptions>();
   auto own_strength = std::make_shared<bool>(false);
-  return {
-      .name = "blade",
-      .description = "A blade drawn at constant depth: draft, against equations that know its sides or do not",
-      .examples =
-          "  haptolith lab blade --width-mm 50 --depth-mm 30 --rake-deg 90\n"
-          "  haptolith lab blade --soil dry-sand --friction-angle-deg 35 --soil-cohesion-pa 0",
-      .radius_mm = 3,
-      .typical_s = 400,
-      .options = {millimetresOption("width_mm", own->width_m, "width of the blade"),
-                  millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
-                  degreesOption("rake_deg", own->rake_rad, "angle between blade and path"),
-                  preparationOption(own->preparation),
-                  depthFromOption(own->depth_from),
-                  {.key = "friction_angle_deg",
-                   .help = "for the equations",
-                   .usual = "measured by shearing the soil: its peak and its residual, or the latter alone when loose",
-                   .set = LabOption::Number([own, own_strength](double deg) {
-                     own->friction_angle_rad = radians(deg);
-                     *own_strength = true;
-                   })},
-                  numberOption("soil_cohesion_pa", own->cohesion_pa, "for the equations, beside a friction angle")},
-      .run = [own, own_strength](const LabSoil& soil, const LabConditions& conditions) {
-        return bladeOutput(soil, conditions, *own, *own_strength);
-      }};
+  return {.name = "blade",
+          .description = "Draw a blade at constant depth: draft, compared with earthmoving equations",
+          .examples =
+              "  haptolith lab blade --width-mm 50 --depth-mm 30 --rake-deg 90\n"
+              "  haptolith lab blade --soil dry-sand --friction-angle-deg 35 --soil-cohesion-pa 0",
+          .radius_mm = 3,
+          .typical_s = 400,
+          .options = {millimetresOption("width_mm", own->width_m, "Width of the blade"),
+                      millimetresOption("depth_mm", own->depth_m, "Depth of the lower edge of the blade"),
+                      degreesOption("rake_deg", own->rake_rad, "Angle between blade and path"),
+                      preparationOption(own->preparation),
+                      depthFromOption(own->depth_from),
+                      {.key = "friction_angle_deg",
+                       .help = "Friction angle for the equations",
+                       .usual = "simulated by shearing the soil: peak and residual, or residual when loose",
+                       .set = LabOption::Number([own, own_strength](double deg) {
+                         own->friction_angle_rad = radians(deg);
+                         *own_strength = true;
+                       })},
+                      numberOption("soil_cohesion_pa", own->cohesion_pa,
+                                   "Cohesion for the equations, with a friction angle")},
+          .run = [own, own_strength](const LabSoil& soil, const LabConditions& conditions) {
+            return bladeOutput(soil, conditions, *own, *own_strength);
+          }};
 }
 
 }  // namespace haptolith

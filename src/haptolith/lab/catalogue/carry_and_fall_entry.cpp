@@ -60,21 +60,22 @@ LabOutput fallOutput(const LabConditions& conditions, const FallOptions& options
 LabTest carryEntry() {
   auto own = std::make_shared<CarryOptions>();
   return {.name = "carry",
-          .description = "A loaded shovel, still, moved and shaken: weight and drag felt",
+          .description = "Hold, move and shake a loaded shovel: rendered weight and drag",
           .examples = "  haptolith lab carry\n  haptolith lab carry --friction paper",
           .typical_s = 1,
-          .options = {countOption("particles", own->particles, CarryRanges::particles, "dropped on the shovel"),
-                      numberOption("speed_m_s", own->speed_m_s, "sideways")},
+          .options = {countOption("particles", own->particles, CarryRanges::particles,
+                                  "Number of particles dropped on the shovel"),
+                      numberOption("speed_m_s", own->speed_m_s, "Sideways speed of the shovel")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return carryOutput(conditions, *own); }};
 }
 
 LabTest fallEntry() {
   auto own = std::make_shared<FallOptions>();
   return {.name = "fall",
-          .description = "A clump in free fall: acceleration over g",
+          .description = "Drop a clump of particles: acceleration over g",
           .examples = "  haptolith lab fall\n  haptolith lab fall --friction paper",
           .typical_s = 5,
-          .options = {numberOption("fall_m", own->fall_m, "height it falls")},
+          .options = {numberOption("fall_m", own->fall_m, "Height of the fall")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return fallOutput(conditions, *own); }};
 }
 

@@ -39,12 +39,12 @@ LabTest cutEntry() {
   auto own = std::make_shared<CutOptions>();
   return {
       .name = "cut",
-      .description = "A vertical cut whose support is taken away: does it stand?",
+      .description = "Remove the support of a vertical cut: does it stand?",
       .examples =
           "  haptolith lab cut\n"
           "  haptolith lab cut --soil dry-sand --figure cut.png",
       .typical_s = 60,
-      .options = {millimetresOption("height_mm", own->height_m, "of the cut")},
+      .options = {millimetresOption("height_mm", own->height_m, "Height of the cut")},
       .run = [own](const LabSoil& soil, const LabConditions& conditions) { return cutOutput(soil, conditions, *own); }};
 }
 

@@ -54,14 +54,14 @@ LabOutput funnelOutput(const LabConditions& conditions, const FunnelOptions& opt
 LabTest funnelEntry() {
   auto own = std::make_shared<FunnelOptions>();
   return {.name = "funnel",
-          .description = "Discharge through openings: Beverloo's exponent, clogging",
+          .description = "Discharge a hopper through openings: Beverloo's exponent, clogging",
           .examples =
               "  haptolith lab funnel --soil dry-sand --body Earth\n"
               "  haptolith lab funnel --opening 2,4,6,8,10",
           .without_cohesion = true,
           .typical_s = 60,
-          .options = {listOption("opening", own->openings, 1, "openings, in particle diameters"),
-                      numberOption("fill", own->fill_openings, "height of the soil over the width of the opening")},
+          .options = {listOption("opening", own->openings, 1, "Widths of the openings, in particle diameters"),
+                      numberOption("fill", own->fill_openings, "Height of the soil, in widths of the opening")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return funnelOutput(conditions, *own); }};
 }
 

@@ -42,8 +42,7 @@ LabOutput grainOutput(const LabConditions& conditions, const GrainOptions& optio
   }
   output.text += fmt::format(
       "\n  ±: from specimen to specimen. variation: standard deviation of the draft about a straight line, over its "
-      "mean,\n"
-      "  through a low-pass of {:g} Hz as a hand feels it. A hand tells forces apart from about {:.0f} %.\n",
+      "mean,\n  after a low-pass filter of {:g} Hz. The discrimination threshold for force is about {:.0f} %.\n",
       options.filter_cutoff_hz, 100 * kForceJnd);
   output.json = {{"sizes", sizes}};
   output.draw = [results](const OutputFile& path, const std::string& title) { drawGrain(path, results, title); };
@@ -56,22 +55,22 @@ LabTest grainEntry() {
   auto own = std::make_shared<GrainOptions>();
   return {
       .name = "grain",
-      .description = "A blade drawn through grains of several sizes: how rough the force is that a hand feels",
+      .description = "Draw a blade through particles of several sizes: roughness of the rendered force",
       .examples =
           "  haptolith lab grain --figure grain.png\n"
           "  haptolith lab grain --radii-mm 7,3.5 --no-graded --specimens 1",
       .in_report = false,
       .typical_s = 300,
-      .options = {listOption("radii_mm", own->radii_m, kMm, "of beds with grains all alike"),
+      .options = {listOption("radii_mm", own->radii_m, kMm, "Particle radii of the beds of one size"),
                   {.key = "no_graded",
-                   .help = "leave out the bed with grains of several sizes",
+                   .help = "Omit the bed with particles of several sizes",
                    .usual = "",
                    .set = LabOption::Switch([own] { own->graded = false; })},
-                  millimetresOption("fine_radius_mm", own->fine_radius_m, "of the finest grains of that bed"),
-                  millimetresOption("width_mm", own->width_m, "width of the blade"),
-                  millimetresOption("depth_mm", own->depth_m, "depth of its lower edge"),
-                  numberOption("speed_m_s", own->speed_m_s, "of the blade"),
-                  countOption("specimens", own->specimens, GrainRanges::specimens, "beds of each size")},
+                  millimetresOption("fine_radius_mm", own->fine_radius_m, "Radius of the finest particles of that bed"),
+                  millimetresOption("width_mm", own->width_m, "Width of the blade"),
+                  millimetresOption("depth_mm", own->depth_m, "Depth of the lower edge of the blade"),
+                  numberOption("speed_m_s", own->speed_m_s, "Speed of the blade"),
+                  countOption("specimens", own->specimens, GrainRanges::specimens, "Number of beds of each size")},
       .run = [own](const LabSoil& /*soil*/, const LabConditions& conditions) { return grainOutput(conditions, *own); }};
 }
 

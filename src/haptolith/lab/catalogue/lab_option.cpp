@@ -81,7 +81,7 @@ LabOption preparationOption(Preparation& preparation) {
     preparation = word == "loose" ? Preparation::kLoose : Preparation::kDense;
   };
   return wordOption("preparation", {"dense", "loose"}, preparation == Preparation::kLoose ? "loose" : "dense", set,
-                    "of the soil: dense, as if shaken, or loose, as if poured");
+                    "Preparation of the soil: dense, as if shaken, or loose, as if poured");
 }
 
 LabOption depthFromOption(DepthFrom& from) {
@@ -90,7 +90,7 @@ LabOption depthFromOption(DepthFrom& from) {
   };
   return wordOption(
       "depth_from", {"tips", "surface"}, from == DepthFrom::kSurface ? "surface" : "tips", set,
-      "what depth counts from: the tips of the highest grains, or the surface that soil of one density would have");
+      "Origin of the depth: the tops of the highest particles, or the surface of soil of uniform density");
 }
 
 }  // namespace haptolith

@@ -34,7 +34,7 @@ void requireOneStrength(const Strength& strength) {
   }
   if (strength.cohesion_pa != 0 && !strength.friction_angle_rad) {
     throw InvalidParameter("soil_cohesion_pa", fmt::format("{:g}", strength.cohesion_pa),
-                           "given beside friction_angle_deg");
+                           "given with friction_angle_deg");
   }
 }
 
@@ -157,26 +157,27 @@ LabTest plateEntry() {
   auto own = std::make_shared<PlateOptions>();
   auto strength = std::make_shared<Strength>();
   return {.name = "plate",
-          .description = "A flat plate pushed in: pressure against sinkage",
+          .description = "Push a flat plate in: pressure over sinkage",
           .examples =
               "  haptolith lab plate --soil dry-sand --body Earth --plate-diameter-mm 60 --max-sinkage-mm 20\n"
               "  haptolith lab plate --soil dry-sand --friction-angle-deg 32",
           .radius_mm = 3.5,
           .typical_s = 120,
-          .options = {millimetresOption("plate_diameter_mm", own->diameter_m, "diameter of the plate"),
-                      millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep it goes"),
+          .options = {millimetresOption("plate_diameter_mm", own->diameter_m, "Diameter of the plate"),
+                      millimetresOption("max_sinkage_mm", own->max_sinkage_m, "Largest sinkage"),
                       preparationOption(own->preparation),
                       depthFromOption(own->depth_from),
-                      millimetresOption("loose_top_mm", own->loose_top_m, "of the soil, poured onto the rest"),
+                      millimetresOption("loose_top_mm", own->loose_top_m, "Thickness of the loose layer poured on top"),
                       {.key = "friction_angle_deg",
-                       .help = "compare with the bearing capacity of a footing in soil of this angle",
+                       .help = "Friction angle of the footing whose bearing capacity is compared",
                        .usual = "not compared",
                        .set = LabOption::Number([strength](double deg) {
                          strength->friction_angle_rad = radians(requireInRange("friction_angle_deg", deg, {0, 50}));
                        })},
-                      numberOption("soil_cohesion_pa", strength->cohesion_pa, "for that, beside a friction angle"),
+                      numberOption("soil_cohesion_pa", strength->cohesion_pa,
+                                   "Cohesion for the comparison, with a friction angle"),
                       {.key = "measure_strength",
-                       .help = "compare with a footing in soil of the strength that shearing under 1 to 4 kPa shows",
+                       .help = "Compare with a footing in soil of the strength that is simulated at 1 to 4 kPa",
                        .usual = "",
                        .set = LabOption::Switch([strength] { strength->measured = true; })}},
           .run = [own, strength](const LabSoil&, const LabConditions& conditions) {
@@ -188,12 +189,12 @@ LabTest plateEntry() {
 LabTest coneEntry() {
   auto own = std::make_shared<ConeOptions>();
   return {.name = "cone",
-          .description = "A cone penetrometer: resistance against depth",
+          .description = "Push a cone penetrometer in: resistance over depth",
           .examples = "  haptolith lab cone --figure cone.svg",
           .radius_mm = 3,
           .typical_s = 120,
-          .options = {millimetresOption("cone_diameter_mm", own->base_diameter_m, "diameter of the cone's base"),
-                      millimetresOption("max_depth_mm", own->max_depth_m, "how deep the base goes"),
+          .options = {millimetresOption("cone_diameter_mm", own->base_diameter_m, "Diameter of the cone's base"),
+                      millimetresOption("max_depth_mm", own->max_depth_m, "Largest depth of the base"),
                       preparationOption(own->preparation), depthFromOption(own->depth_from)},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return coneOutput(conditions, *own); }};
 }

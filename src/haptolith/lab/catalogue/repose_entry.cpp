@@ -41,15 +41,15 @@ LabOutput reposeOutput(const LabSoil& soil, const LabConditions& conditions, con
 LabTest reposeEntry() {
   auto own = std::make_shared<ReposeOptions>();
   return {.name = "repose",
-          .description = "A tube of soil lifted off a rough floor: angle of repose",
+          .description = "Lift a tube of soil off a rough floor: angle of repose",
           .examples =
               "  haptolith lab repose --soil dry-sand --body Earth --figure heap.png\n"
               "  haptolith lab repose --soil dry-sand --body Ceres",
           .radius_mm = 3,  // larger ones are too soft for Earth's gravity: 25.6 instead of 27.1 degrees for dry-sand
           .without_cohesion = true,
           .typical_s = 60,
-          .options = {numberOption("tube_radius", own->tube_radius, "in radii of a particle"),
-                      numberOption("fill", own->fill, "height of the soil in the tube, in radii")},
+          .options = {numberOption("tube_radius", own->tube_radius, "Radius of the tube, in particle radii"),
+                      numberOption("fill", own->fill, "Height of the soil in the tube, in particle radii")},
           .run = [own](const LabSoil& soil, const LabConditions& conditions) {
             return reposeOutput(soil, conditions, *own);
           }};

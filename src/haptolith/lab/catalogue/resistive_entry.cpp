@@ -111,28 +111,27 @@ LabOutput resistiveOutput(const LabConditions& conditions, const ResistiveOption
 LabTest rftEntry() {
   auto own = std::make_shared<ResistiveOptions>();
   return {.name = "rft",
-          .description =
-              "Plate, sphere, cone, wheel and blade beside three-dimensional resistive force theory, nothing tuned",
+          .description = "Compare plate, sphere, cone, wheel and blade with 3-D resistive force theory",
           .examples =
               "  haptolith lab rft --soil dry-sand --figure rft.svg\n"
               "  haptolith lab rft --soil dry-sand --body Earth --no-scaling",
           .radius_mm = 5,
           .in_report = false,
           .typical_s = 300,
-          .options = {millimetresOption("diameter_mm", own->diameter_m, "diameter of plate, sphere, cone and wheel"),
-                      millimetresOption("max_sinkage_mm", own->max_sinkage_m, "how deep they go"),
-                      millimetresOption("blade_width_mm", own->blade_width_m, "width of the blade"),
-                      millimetresOption("blade_depth_mm", own->blade_depth_m, "depth of its lower edge"),
-                      numberOption("size_factor", own->size_factor, "of the larger plate"),
+          .options = {millimetresOption("diameter_mm", own->diameter_m, "Diameter of plate, sphere, cone and wheel"),
+                      millimetresOption("max_sinkage_mm", own->max_sinkage_m, "Largest sinkage"),
+                      millimetresOption("blade_width_mm", own->blade_width_m, "Width of the blade"),
+                      millimetresOption("blade_depth_mm", own->blade_depth_m, "Depth of the lower edge of the blade"),
+                      numberOption("size_factor", own->size_factor, "Size of the larger plate over the smaller"),
                       {.key = "no_scaling",
-                       .help = "leave out how the force grows with gravity, density and size",
+                       .help = "Omit the scaling with gravity, density and size",
                        .usual = "",
                        .set = LabOption::Switch([own] { own->scaling = false; })},
                       preparationOption(own->preparation),
                       depthFromOption(own->depth_from),
                       {.key = "friction_angle_deg",
-                       .help = "of the soil, for the theory",
-                       .usual = "the residual one, measured by shearing the soil",
+                       .help = "Friction angle for the theory",
+                       .usual = "residual, simulated by shearing the soil",
                        .set = LabOption::Number([own](double deg) { own->friction_angle_rad = radians(deg); })}},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return resistiveOutput(conditions, *own); }};
 }

@@ -52,12 +52,12 @@ LabOutput settleOutput(const LabSoil& soil, const LabConditions& conditions, con
 LabTest settleEntry() {
   auto own = std::make_shared<SettleOptions>();
   return {.name = "settle",
-          .description = "Density with depth of soil that has settled under its own weight",
+          .description = "Let soil settle under its weight: density over depth",
           .examples =
               "  haptolith lab settle\n"
               "  haptolith lab settle --soil dry-sand --body Earth --figure density.svg",
           .typical_s = 20,
-          .options = {numberOption("depth_m", own->depth_m, "depth of the column at least")},
+          .options = {numberOption("depth_m", own->depth_m, "Minimum depth of the column")},
           .run = [own](const LabSoil& soil, const LabConditions& conditions) {
             return settleOutput(soil, conditions, *own);
           }};

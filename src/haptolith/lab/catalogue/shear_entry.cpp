@@ -60,17 +60,17 @@ LabOutput shearOutput(const LabSoil& soil, const LabConditions& conditions, cons
 LabTest shearEntry() {
   auto own = std::make_shared<ShearOptions>();
   return {.name = "shear",
-          .description = "Direct shear between rough plates: friction angle and cohesion",
+          .description = "Shear soil between rough plates: friction angle and cohesion",
           .examples =
               "  haptolith lab shear\n"
               "  haptolith lab shear --soil dry-sand --figure shear.svg\n"
               "  haptolith lab shear --friction paper --json\n"
               "  haptolith lab shear --sizes 2",
           .typical_s = 150,
-          .options = {listOption("normal_pa", own->normal_stresses_pa, 1, "normal stresses, three or more"),
-                      numberOption("strain", own->strain, "how far the plate goes over the specimen's height"),
+          .options = {listOption("normal_pa", own->normal_stresses_pa, 1, "Normal stresses, three or more"),
+                      numberOption("strain", own->strain, "Travel of the plate, in heights of the specimen"),
                       countOption("sizes", own->grain_classes, {1, GrainClasses::kMost},
-                                  "how many sizes of grain are mixed, a like volume of each: R, R/2, and so on")},
+                                  "Number of particle sizes, equal volumes of each: R, R/2 and so on")},
           .run = [own](const LabSoil& soil, const LabConditions& conditions) {
             return shearOutput(soil, conditions, *own);
           }};

@@ -410,7 +410,7 @@ void drawBlade(const OutputFile& file, const BladeResult& result, std::string_vi
   }
   level(heaped.wedge ? heaped.wedge->draft_n : heaped.earthmoving.draft_n,
         fmt::format("linewidth 1.5 linecolor rgb '{}'", heaped.wedge ? "#e69f00" : "#d55e00"),
-        "the same, under the heap");
+        "wedge or equation, with surcharge");
   level(bare.earthmoving.vertical_n, "dashtype (8,5) linewidth 1.5 linecolor rgb '#009e73'",
         "vertical, earthmoving equation");
   figure.command(curves);

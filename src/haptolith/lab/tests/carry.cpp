@@ -73,7 +73,7 @@ class Carried {
     while (bed_.bed().largestSpeed() > at_rest) {
       move(0.1, "soil falls on the shovel", {});
       if (bed_.time() > kLongest_s + falling_s) {
-        throw Failure("the soil on the shovel does not come to rest");
+        throw Failure("the soil on the shovel does not settle");
       }
     }
     if (carried() == 0) {

@@ -178,8 +178,8 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   for (bool rests = false; !rests;) {
     const double t = bed.time() - begin_s;
     if (t > kLongestCutRest * fall_s + far_m / speed) {
-      throw Failure(fmt::format("the cut did not come to rest: its fastest particle still moves at {:.2g} m/s",
-                                bed.bed().largestSpeed()));
+      throw Failure(
+          fmt::format("the cut did not settle: its fastest particle moves at {:.2g} m/s", bed.bed().largestSpeed()));
     }
     progress.enter(kLetGo + (1 - kLetGo) * t / (t + far_m / speed + 4 * fall_s), 1);
     bed.run(kCutLook * fall_s, "the plate is gone, the cut stands or falls");

@@ -108,14 +108,14 @@ class HeapOnFloor {
   void rest(StagedProgress& progress) {
     progress.enter(kRestBegins, 1);
     for (double t = 0; t < kLongestHeapRest; t += kLook) {
-      bed_.run(look(), "the heap comes to rest");
+      bed_.run(look(), "the heap settles");
       note();
       if (bed_.bed().largestSpeed() < restSpeed()) {
         return;
       }
     }
-    throw Failure(fmt::format("the heap did not come to rest: its fastest particle still moves at {:.2g} m/s",
-                              bed_.bed().largestSpeed()));
+    throw Failure(
+        fmt::format("the heap did not settle: its fastest particle moves at {:.2g} m/s", bed_.bed().largestSpeed()));
   }
 
   [[nodiscard]] ReposeResult result() {

@@ -64,7 +64,7 @@ double weakestSurface(const BladeCase& blade) {
     }
   }
   throw InvalidParameter("rake_rad", fmt::format("{:.4g}", blade.rake_rad),
-                         "steeper for so narrow a blade: beside a flat one no soil breaks out");
+                         "steeper for a narrow blade: next to a flat blade no soil breaks out");
 }
 
 BladeForce uprightAt(const BladeCase& blade, double beta) {

@@ -193,7 +193,7 @@ void QuestPlus::answer(double x, bool positive) {
   }
   if (sum <= 0) {
     throw InvalidParameter("answer", fmt::format("{} to {}", positive ? "positive" : "negative", x),
-                           "what one of the hypotheses allows; give QUEST+ a lapse rate above 0");
+                           "a response that one of the hypotheses allows; give QUEST+ a lapse rate above 0");
   }
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.probability /= sum;

@@ -126,7 +126,7 @@ template <class Target>
     } else if constexpr (std::is_same_v<Value, typename Key::TextValue>) {
       return value.size == TextSize::kLine ? "a line of text" : "text";
     } else if constexpr (std::is_same_v<Value, typename Key::DataValue>) {
-      return "what a program wrote";
+      return "data written by the program";
     } else if constexpr (std::is_same_v<Value, typename Key::ItemsValue>) {
       return std::string(value.valid);
     } else {

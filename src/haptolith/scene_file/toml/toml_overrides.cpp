@@ -56,7 +56,7 @@ toml::table tableOf(const Override& given, std::string_view source) {
   try {
     return toml::parse(fmt::format("value = \"{}\"\n", quoted), source);
   } catch (const toml::parse_error&) {
-    const InvalidParameter wrong("override", fmt::format("'{}'", given.key), "with a value in UTF-8");
+    const InvalidParameter wrong("override", fmt::format("'{}'", given.key), "a key with a value in UTF-8");
     throw TomlError(wrong.what(), 0, wrong);
   }
 }

@@ -59,10 +59,9 @@ Json datasetJson(const StudyStore& study, const ExportOptions& options) {
 
 std::string readmeOf(const StudyStore& study) {
   return fmt::format(
-      "# {}\n\nA user study of soil that is felt through a haptic device, run with haptolith and begun on {}.\n\n"
-      "participants.tsv holds who took part, by pseudonyms, and what they answered to the forms. Each sub-*/beh "
-      "folder\n"
-      "holds a participant's trials, a file for each block; its JSON file explains the columns.\n",
+      "# {}\n\nA user study with simulated soil on a haptic device, run with haptolith and begun on "
+      "{}.\n\nparticipants.tsv lists the participants by pseudonyms, and their answers to the forms. Each sub-*/beh "
+      "folder\nholds a participant's trials, a file for each block; its JSON file explains the columns.\n",
       study.title(), study.createdAt().substr(0, 10));
 }
 
@@ -72,15 +71,15 @@ const std::vector<ExportColumn>& participantColumns() {
       {"", "number", "The participant's place in the study: 1 is the first.", ""},
       {"",
        "state",
-       "How far the participant has come.",
+       "State of the participant.",
        "",
-       {{"running", "not at the end yet"},
-        {"finished", "at the end"},
-        {"withdrawn", "has quit"},
+       {{"running", "not finished"},
+        {"finished", "finished"},
+        {"withdrawn", "withdrew"},
         {"excluded", "is left out by the experimenter"}}},
       {"", "excluded_for", "Why the participant is left out by the experimenter.", ""},
       {"", "begun_at", "When the participant began, UTC.", ""},
-      {"", "ended_at", "When the participant finished or quit, UTC.", ""},
+      {"", "ended_at", "When the participant finished or withdrew, UTC.", ""},
       {"", "consent_at", "When the participant agreed to take part, UTC.", ""},
       {"", "consent_version", "Version of the text that was agreed to, or its SHA-256.", ""},
       {"", "consent_language", "Language of that text.", ""},
@@ -201,10 +200,11 @@ Json behaviourJson(const StudyBlock& block) {
 /// Overwriting deletes the folder, so only an earlier export is accepted.
 void requireEarlierExport(const fs::path& folder, bool overwrite) {
   if (fs::exists(folder) && !overwrite) {
-    throw Failure(fmt::format("{} exists already: choose another name, or add --overwrite", folder.string()));
+    throw Failure(fmt::format("{} already exists: choose another name, or add --overwrite", folder.string()));
   }
   if (fs::exists(folder) && !fs::exists(folder / "dataset_description.json")) {
-    throw Failure(fmt::format("{} is no earlier export, and is not overwritten: choose another name", folder.string()));
+    throw Failure(
+        fmt::format("cannot overwrite {}: it is not an earlier export; choose another name", folder.string()));
   }
 }
 

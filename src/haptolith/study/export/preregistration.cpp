@@ -26,18 +26,19 @@ std::string secondsText(double seconds, std::string_view none) {
 
 std::string_view taskText(TaskKind task) {
   switch (task) {
-    case TaskKind::kReferenceFirst: return "the reference is always felt first";
-    case TaskKind::kRandomOrder: return "reference and test are felt in an order drawn for each trial";
-    case TaskKind::kTwoInterval: return "reference and test are felt in an order drawn for each trial (two intervals)";
+    case TaskKind::kReferenceFirst: return "the reference is always presented first";
+    case TaskKind::kRandomOrder: return "reference and test are presented in an order randomised for each trial";
+    case TaskKind::kTwoInterval:
+      return "reference and test are presented in an order randomised for each trial (two intervals)";
   }
   return {};
 }
 
 std::string_view orderText(BlockOrder order) {
   switch (order) {
-    case BlockOrder::kFixed: return "in the order above, the same for everybody";
+    case BlockOrder::kFixed: return "in the order above, the same for all participants";
     case BlockOrder::kLatinSquare: return "balanced over participants by a Williams design";
-    case BlockOrder::kRandom: return "in an order drawn for each participant";
+    case BlockOrder::kRandom: return "in an order randomised for each participant";
   }
   return {};
 }
@@ -45,7 +46,7 @@ std::string_view orderText(BlockOrder order) {
 std::string procedureText(const StudyBlock& block) {
   switch (block.procedure) {
     case ProcedureKind::kConstant:
-      return fmt::format("constant stimuli: each level {}, in an order drawn for each participant",
+      return fmt::format("constant stimuli: each level {}, in an order randomised for each participant",
                          pluralise(block.repeats, "time"));
     case ProcedureKind::kStaircase:
       return fmt::format("staircases, {} down and {} up, that end after {} reversals or {} trials",
@@ -91,15 +92,14 @@ std::string visionText(const StudyBlock& block) {
 std::string teleopText(const StudyBlock& block) {
   const TeleopWork& work = *block.teleop;
   std::string text = fmt::format(
-      "### {}\n\n- Each trial is work for a robot: \"{}\", in at most {:g} s.\n- Felt meanwhile: {}. The delay is {:g} "
-      "s there and back.\n- {}",
+      "### {}\n\n- Each trial is a robot task: \"{}\", in at most {:g} s.\n- Rendered force: {}. The round-trip delay "
+      "is {:g} s.\n- {}",
       block.title.empty() ? block.name : block.title, goalOf(work.task), block.interval_s,
       work.force == TeleopForce::kNone    ? "nothing"
-      : work.force == TeleopForce::kModel ? "a model of the soil, which stays as it is"
-                                          : "a model of the soil, which learns from what the robot meets and sees",
+      : work.force == TeleopForce::kModel ? "a static model of the soil"
+                                          : "a model of the soil, which adapts to the robot's forces and camera",
       work.round_trip_s, pluralise(block.repeats, "trial"));
-  text +=
-      block.practice_trials > 0 ? fmt::format(", after {} that count for nothing.\n", block.practice_trials) : ".\n";
+  text += block.practice_trials > 0 ? fmt::format(", after {} of practice.\n", block.practice_trials) : ".\n";
   return text;
 }
 
@@ -114,10 +114,10 @@ std::string designText(const StudyBlock& block) {
       levelsText(block), block.question, block.answers[0], block.answers[1], taskText(block.task),
       procedureText(block));
   text += fmt::format("- A stimulus lasts {}; an answer may take {}. The scene is {} meanwhile.\n",
-                      secondsText(block.interval_s, "until the participant goes on"),
+                      secondsText(block.interval_s, "until the participant continues"),
                       secondsText(block.answer_limit_s, "any time"), visionText(block));
   if (block.practice_trials > 0) {
-    text += fmt::format("- Practice: {}{}, which count for nothing", pluralise(block.practice_trials, "trial"),
+    text += fmt::format("- Practice: {}{}, which do not count", pluralise(block.practice_trials, "trial"),
                         block.practice_feedback ? " with feedback" : "");
     text += block.practice_criterion > 0
                 ? fmt::format(", until {:.0f} % are right, {} at most.\n", 100 * block.practice_criterion,
@@ -134,8 +134,7 @@ std::string designText(const StudyBlock& block) {
 
 std::string_view methodText(AssignmentMethod method) {
   switch (method) {
-    case AssignmentMethod::kAlternate:
-      return "in turn, without chance: who knows one participant's group knows the next";
+    case AssignmentMethod::kAlternate: return "alternately, without randomisation: the next group is predictable";
     case AssignmentMethod::kRandom: return "in permuted blocks";
     case AssignmentMethod::kStratified: return "in permuted blocks within each stratum";
   }
@@ -171,22 +170,23 @@ std::string groupsText(const StudyProtocol& protocol) {
     text += fmt::format("- Strata by \"{}\" ({}): {}.\n", item->label, key, fmt::join(stratumParts(*item), "; "));
   }
   return text +
-         "- The program allocates each participant after consent and the questions above, before the first block, for "
-         "good; participants are not told their group, and the experimenter's page hides it until it is unblinded.\n"
-         "- Who withdraws, is excluded or removed is not replaced in the sequence.\n\n";
+         "- The program allocates each participant permanently, after consent and the questions above and before the "
+         "first block. Participants are blind to their group, and the experimenter's page hides it until it is "
+         "unblinded.\n- Participants who withdraw, are excluded or are removed are not replaced in the sequence.\n\n";
 }
 
 std::string exclusionText(const StudyProtocol& protocol) {
   std::string text =
-      "- Participants who withdraw are left out, and how many there were is reported.\n"
-      "- Trials that were repeated or lost do not count; each is done again.\n";
+      "- Participants who withdraw are left out; their number is reported.\n- Trials that were repeated or lost do not "
+      "count; each is done again.\n";
   for (const StudyBlock& block : protocol.blocks) {
     if (block.catch_trials > 0) {
       text += block.catch_criterion > 0
-                  ? fmt::format("- {}: who answers less than {:.0f} % of the catch trials right is left out.\n",
+                  ? fmt::format("- {}: participants with less than {:.0f} % correct catch trials are left out.\n",
                                 block.name, 100 * block.catch_criterion)
                   : fmt::format(
-                        "- {}: [CRITERION: the key `catch_criterion`, or that nobody is left out for catch trials]\n",
+                        "- {}: [CRITERION: the key `catch_criterion`, or that no participant is left out for catch "
+                        "trials]\n",
                         block.name);
     }
   }
@@ -210,40 +210,35 @@ std::string preregistrationText(const StudyProtocol& protocol, const Preregistra
                       orderText(protocol.order));
   text += groupsText(protocol);
   text += fmt::format(
-      "## Participants\n\n- Number: {}. (`haptolith study plan` tells what a number can show.)\n- Who: [WHO may take "
-      "part, "
-      "and how they are found]\n- Everybody reads the consent page and agrees to it before anything is asked.\n\n",
+      "## Participants\n\n- Number: {}. (`haptolith study plan` estimates the power.)\n- Population: [WHO can take "
+      "part, and how they are recruited]\n- All participants read and accept the consent page before the first "
+      "question.\n\n",
       protocol.planned_participants > 0
-          ? fmt::format("{} who finish; no look at the answers decides when to stop", protocol.planned_participants)
+          ? fmt::format("{} complete data sets; the responses do not influence when to stop",
+                        protocol.planned_participants)
           : std::string("[NUMBER: the key `participants`], fixed before the first one"));
   text += "## Measures and analysis\n\n";
   const auto works = static_cast<std::size_t>(
       std::ranges::count_if(protocol.blocks, [](const StudyBlock& block) { return block.teleop.has_value(); }));
   if (works > 0) {
     text +=
-        "- Measures of work for a robot: whether it was done in time, task time (the time limit where it was not), "
-        "error "
-        "of force (RMS of force felt less force met at the same command over RMS of force met), and the scales of the "
-        "form after the block.\n"
-        "- Estimates: means over participants of each participant's mean over the main trials, and of differences from "
-        "the first block, paired within participants, with 95 % intervals (Student's t).\n";
+        "- Measures of robot tasks: success within the time limit, task time (the time limit without success), force "
+        "error (RMS of rendered minus remote force at the same command, over RMS of remote force), and the scales of "
+        "the form after the block.\n- Estimates: means over participants of each participant's mean over the main "
+        "trials, and of differences from the first block, paired within participants, with 95 % intervals (Student's "
+        "t).\n";
   }
   const std::size_t compares = protocol.blocks.size() - works;
   text +=
       compares == 0
           ? ""
-          : "- Measure: the share of answers that the test had more, for each level and participant.\n"
-            "- Model: a psychometric function for each participant, the cumulative Gaussian of the logarithm of the "
-            "stimulus "
+          : "- Measure: the fraction of responses \"the test had more\", for each level and participant.\n- Model: a "
+            "psychometric function for each participant, the cumulative Gaussian of the logarithm of the stimulus "
             "(Gaussian of the stimulus where values are not all above 0), with the point of subjective equality free. "
-            "ln(Weber fraction) and "
-            "ln(PSE) of participants come from normal distributions; one lapse rate is estimated for all, with the "
-            "prior "
-            "Beta(1, 100). Priors are those of docs/reference/psychometrics.md; sums over grids, no random numbers.\n"
-            "- Estimates: the Weber fraction and the PSE of the median participant, posterior medians with 95 % "
-            "intervals, "
-            "and the "
-            "spread between participants.\n";
+            "ln(Weber fraction) and ln(PSE) of participants come from normal distributions; one lapse rate is "
+            "estimated for all, with the prior Beta(1, 100). Priors are those of docs/reference/psychometrics.md; sums "
+            "over grids, no random numbers.\n- Estimates: the Weber fraction and the PSE of the median participant, "
+            "posterior medians with 95 % intervals, and the standard deviation between participants.\n";
   if (compares > 1) {
     text +=
         "- Blocks are compared by the ratio of their Weber fractions, paired within participants, with a 95 % "
@@ -251,15 +246,14 @@ std::string preregistrationText(const StudyProtocol& protocol, const Preregistra
   }
   if (!protocol.groups.empty() && compares > 0) {
     text +=
-        "- Groups are fitted each by itself and compared by the ratio of their Weber fractions and of their PSEs (as "
+        "- Groups are fitted separately and compared by the ratio of their Weber fractions and of their PSEs (as "
         "shares of the references), with 95 % intervals; the Bayes factor of no difference is against a logarithm of "
         "the ratio that is normal about 0 with the standard deviation that is usual between people "
         "(docs/reference/psychometrics.md).\n";
   }
   text +=
-      "- A hypothesis about a number is taken as supported when the whole 95 % interval is on its side.\n\n## "
-      "Exclusion\n\n" +
-      exclusionText(protocol) + "\n## Left open\n\n- [ANYTHING that was done or seen before this was written]\n";
+      "- A hypothesis about a number is supported when the complete 95 % interval is on its side.\n\n## Exclusion\n\n" +
+      exclusionText(protocol) + "\n## Left open\n\n- [ANYTHING that was done or seen before this text was written]\n";
   return text;
 }
 

@@ -33,7 +33,7 @@ constexpr int kTicksPerLook = 20;  ///< ticks between two measurements of the so
 
 void validate(const ExplorationOptions& options) {
   if (options.manoeuvre == Manoeuvre::kPoses) {
-    throw InvalidParameter("manoeuvre", "poses", "one that the hand knows by itself: still, press, stir, scoop ...");
+    throw InvalidParameter("manoeuvre", "poses", "a built-in motion: still, press, stir, scoop ...");
   }
   requireInRange("rounds", options.rounds, {1, kMostRounds});
   requireInRange("variation", options.variation, {0, 2});
@@ -242,9 +242,9 @@ void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre) {
   const double radius_m = scene_file.bed.soil.radius_m;
   if (-lowest_m < radius_m) {
     throw InvalidParameter("hand",
-                           fmt::format("{}, by which the tool comes {:.1f} mm below the surface",
+                           fmt::format("{}, which moves the tool {:.1f} mm below the surface",
                                        wordFor(kManoeuvreWords, manoeuvre), 1e3 * std::max(0.0, -lowest_m)),
-                           fmt::format("one that takes it as deep as a particle's radius, {:g} mm", 1e3 * radius_m));
+                           fmt::format("a motion that reaches at least one particle radius, {:g} mm", 1e3 * radius_m));
   }
 }
 
@@ -272,7 +272,7 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
   for (long long tick = 0; tick < ticks; ++tick) {
     throwIfStopped();
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
-      throw Failure(fmt::format("the exploration broke off after {:g} s: {}", loop.time(), text(end)));
+      throw Failure(fmt::format("the exploration ended after {:g} s: {}", loop.time(), text(end)));
     }
     records.clear();
     loop.takeRecords(records);

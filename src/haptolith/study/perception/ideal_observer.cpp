@@ -41,7 +41,7 @@ constexpr double kPerMm = 1e3;
 /// are sensed to 0.6 to 1.1 degrees (van Beers et al. 1998), which is 6 mm at 0.45 m from the shoulder.
 constexpr Sense kPlace{.weber_fraction = 0.09, .threshold = 6};
 constexpr std::array kPlaceCues{
-    Cue{"felt up to", "mm", "how high soil is felt", kPlace,
+    Cue{"felt up to", "mm", "height of rendered soil", kPlace,
         [](const Exploration& e) { return kPerMm * e.touched_up_to_m; }},
 };
 
@@ -53,11 +53,10 @@ constexpr std::array kSeenCues{
     SeenCue{"height", "mm", "height of the surface", kLength, [](const Picture& p) { return kPerMm * p.height_m; }},
     SeenCue{"heave", "mm", "largest rise", kLength, [](const Picture& p) { return kPerMm * p.heave_m; }},
     SeenCue{"hollow", "mm", "largest fall", kLength, [](const Picture& p) { return kPerMm * p.hollow_m; }},
-    SeenCue{"way", "mm", "way of the grains on the surface", kLength,
+    SeenCue{"way", "mm", "displacement of surface particles", kLength,
             [](const Picture& p) { return kPerMm * p.moved_m; }},
-    SeenCue{"reach", "mm", "how deep the tool goes", kLength, [](const Picture& p) { return kPerMm * p.reached_m; },
-            true},
-    SeenCue{"load", "mm", "edge of a cube as large as what is carried", kLength,
+    SeenCue{"reach", "mm", "depth of the tool", kLength, [](const Picture& p) { return kPerMm * p.reached_m; }, true},
+    SeenCue{"load", "mm", "edge of a cube of the carried volume", kLength,
             [](const Picture& p) { return kPerMm * p.load_m; }},
 };
 

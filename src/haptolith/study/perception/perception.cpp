@@ -91,7 +91,7 @@ class Progress {
   void requireWanted() {
     const std::scoped_lock lock(mutex_);
     if (tell_ && !tell_(static_cast<double>(done_) / static_cast<double>(pieces_))) {
-      throw Failure("given up before all was explored");
+      throw Failure("interrupted before the exploration was complete");
     }
   }
   void finished() {

@@ -109,9 +109,9 @@ void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& bloc
                                  name == "friction" ? -0.2 : -1));
       if (panel.cue == "weight") {
         figure.command(
-            fmt::format("set arrow 1 from graph 0, first {0} to graph 1, first {0} nohead dashtype (6,4) "
-                        "linecolor rgb '#888888'\nset label 1 'noticed from here' at graph 0.02, first {0} "
-                        "offset 0,0.6 textcolor rgb '#777777'",
+            fmt::format("set arrow 1 from graph 0, first {0} to graph 1, first {0} nohead dashtype (6,4) linecolor rgb "
+                        "'#888888'\nset label 1 'detection threshold' at graph 0.02, first {0} offset 0,0.6 textcolor "
+                        "rgb '#777777'",
                         drawn->sense.threshold));
       }
       figure.command(plot);

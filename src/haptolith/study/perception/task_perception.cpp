@@ -102,7 +102,7 @@ std::vector<Explorations> exploreAll(const std::vector<SceneFile>& scenes, const
       const std::scoped_lock lock(mutex);
       ++done;
       if (progress && !progress(static_cast<double>(done) / static_cast<double>(scenes.size() * repeats))) {
-        throw Failure("given up before all was explored");
+        throw Failure("interrupted before the exploration was complete");
       }
     }
   });

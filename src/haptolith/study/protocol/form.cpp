@@ -65,7 +65,7 @@ void requireFormValues(const std::vector<FormItem>& items, const std::map<std::s
   for (const auto& [key, value] : values) {
     const auto item = std::ranges::find(items, key, &FormItem::key);
     if (item == items.end()) {
-      throw InvalidParameter(key, fmt::format("'{}'", value), "left out: the form has no such item");
+      throw InvalidParameter(key, fmt::format("'{}'", value), "left out: the form does not have this item");
     }
     if (!value.empty() && !allows(*item, value)) {
       throw InvalidParameter(key, fmt::format("'{}'", value), validText(*item));

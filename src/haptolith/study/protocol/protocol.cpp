@@ -39,7 +39,7 @@ void requireCriteria(const StudyBlock& block) {
   refuse("practice_levels", !practises && !block.practice_levels.empty(), "there are no practice_trials");
   refuse("practice_criterion", !practises && block.practice_criterion > 0, "there are no practice_trials");
   refuse("practice_rounds", block.practice_rounds > 1 && block.practice_criterion == 0,
-         "no practice_criterion says when another is needed");
+         "there is no practice_criterion");
   refuse("catch_levels", !catches && !block.catch_levels.empty(), "there are no catch_trials");
   refuse("catch_criterion", !catches && block.catch_criterion > 0, "there are no catch_trials");
 }
@@ -47,7 +47,7 @@ void requireCriteria(const StudyBlock& block) {
 void requireVisualDelay(const StudyBlock& block) {
   if (!block.visual && block.visual_delay_s > 0) {
     throw InvalidParameter("visual_delay_s", fmt::format("{:g}", block.visual_delay_s),
-                           "left out: with `visual = false` there is nothing to see");
+                           "left out: with `visual = false` the scene is not shown");
   }
 }
 
@@ -72,7 +72,7 @@ void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
       (void)sceneOf(protocol, block, stimulus);
     } catch (const InvalidParameter& error) {
       throw InvalidParameter(std::string(key), stimulus.name,
-                             fmt::format("what the scene can show; with '{}': {}", stimulus.name, error.what()));
+                             fmt::format("possible in the scene; with '{}': {}", stimulus.name, error.what()));
     }
   };
   require("reference", block.reference);
@@ -90,10 +90,10 @@ void requireScenes(const StudyProtocol& protocol, const StudyBlock& block) {
 /// Rejects keys of other procedures than the block's; otherwise the mistake would stay unnoticed.
 void refuseKeysOfOtherProcedures(const TomlReader& reader, const StudyBlock& block) {
   if (block.procedure != ProcedureKind::kConstant && reader.find("", "repeats") != nullptr) {
-    reader.refuseKey({"", "repeats"}, "left out: the procedure ends by itself");
+    reader.refuseKey({"", "repeats"}, "left out: the procedure ends automatically");
   }
   if (block.procedure != ProcedureKind::kStaircase && reader.has("staircase")) {
-    reader.refuseKey({"", "staircase"}, "left out: the procedure is no staircase");
+    reader.refuseKey({"", "staircase"}, "left out: the procedure is not a staircase");
   }
   if (block.procedure != ProcedureKind::kQuestPlus && reader.has("quest_plus")) {
     reader.refuseKey({"", "quest_plus"}, "left out: the procedure is not quest+");
@@ -110,7 +110,7 @@ void requireProcedure(StudyBlock& block) {
     try {
       (void)maker(options, levels, block.reference.value);
     } catch (const InvalidParameter& error) {
-      throw InvalidParameter(std::string(key), error.value(), fmt::format("one that can be done: {}", error.what()));
+      throw InvalidParameter(std::string(key), error.value(), fmt::format("possible: {}", error.what()));
     }
   };
   if (block.procedure == ProcedureKind::kStaircase) {
@@ -179,7 +179,7 @@ StudyBlock readTeleopBlock(const TomlReader& reader, const StudyProtocol& protoc
   if (!(block.interval_s > 0)) {
     reader.refuseKey({"", "interval_s"}, "> 0: with [block.teleop] it is the time limit of a task");
   }
-  block.axis_label = "delay there and back (s)";
+  block.axis_label = "round-trip delay (s)";
   block.reference.name = fmt::format("{} {:g} s", teleopForceWord(block.teleop->force), block.teleop->round_trip_s);
   block.reference.value = block.teleop->round_trip_s;
   block.levels = {block.reference};
@@ -292,7 +292,7 @@ void requireFilledIn(const StudyProtocol& protocol) {
     if (is_placeholder && end != std::string_view::npos) {
       throw InvalidParameter(
           "consent", std::string(text.substr(at, end + 1 - at)),
-          "filled in: copy the protocol, replace what stands in [BRACKETS], and make a study of the copy");
+          "filled in: copy the protocol, replace the text in [BRACKETS], and create a study from the copy");
     }
   }
 }

@@ -38,7 +38,7 @@ std::vector<std::size_t> blocksNamed(const GroupDraft& draft, const StudyProtoco
       throw valid(fmt::format("; there is no block '{}'", name));
     }
     if (std::ranges::find(blocks, number) != blocks.end()) {
-      throw valid(fmt::format("; '{}' is there twice", name));
+      throw valid(fmt::format("; '{}' occurs twice", name));
     }
     blocks.push_back(number);
   }
@@ -84,7 +84,7 @@ std::size_t partsOfStratum(const StudyProtocol& protocol, const std::string& key
     throw InvalidParameter("strata", "", fmt::format("keys of [[demographics]] items; '{}' {}", key, what));
   };
   if (item == protocol.demographics.end()) {
-    refuse("is none");
+    refuse("does not exist");
   }
   const std::vector<std::string> parts = stratumParts(*item);
   if (item->kind == FormItem::Kind::kText) {
@@ -94,10 +94,10 @@ std::size_t partsOfStratum(const StudyProtocol& protocol, const std::string& key
     refuse("has no `cut_points`");
   }
   if (!item->required) {
-    refuse("must be `required`: who does not answer it has no stratum");
+    refuse("must be `required`: without an answer there is no stratum");
   }
   if (item->personal) {
-    refuse("is `personal`: the stratum would tell it");
+    refuse("is `personal`: the stratum would disclose it");
   }
   return parts.size();
 }
@@ -111,7 +111,7 @@ void requireStrata(const StudyProtocol& protocol) {
   std::size_t strata = 1;
   for (auto key = assignment.strata.begin(); key != assignment.strata.end(); ++key) {
     if (std::find(assignment.strata.begin(), key, *key) != key) {
-      throw InvalidParameter("strata", "", fmt::format("each there once; '{}' is there twice", *key));
+      throw InvalidParameter("strata", "", fmt::format("each once; '{}' occurs twice", *key));
     }
     strata *= partsOfStratum(protocol, *key);
     if (strata > kMostStrata) {
@@ -134,7 +134,7 @@ void setBlockSize(const TomlReader& reader, StudyProtocol& protocol) {
   }
   const bool is_given = assignment.block_size != 0;
   if (is_given && assignment.method == AssignmentMethod::kAlternate) {
-    reader.refuseKey({"assignment", "block_size"}, "left out: groups that take turns have no permuted blocks");
+    reader.refuseKey({"assignment", "block_size"}, "left out: alternating groups have no permuted blocks");
   }
   if (is_given && assignment.block_size % shares != 0) {
     reader.refuseKey({"assignment", "block_size"}, fmt::format("a multiple of the sum of all shares, {}", shares));

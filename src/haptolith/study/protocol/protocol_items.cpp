@@ -18,7 +18,7 @@ void requireCutPoints(const FormItem& item) {
     throw InvalidParameter("cut_points", "", "left out: only numbers and scales have them");
   }
   if (std::ranges::adjacent_find(cuts, std::greater_equal()) != cuts.end()) {
-    throw InvalidParameter("cut_points", "", "numbers, the least first, each there once");
+    throw InvalidParameter("cut_points", "", "numbers in ascending order, each once");
   }
   if (!cuts.empty() && item.low < item.high && (cuts.front() <= item.low || cuts.back() > item.high)) {
     throw InvalidParameter("cut_points", "", fmt::format("> low, {}, and <= high, {}", item.low, item.high));

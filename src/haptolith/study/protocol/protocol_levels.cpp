@@ -116,7 +116,7 @@ void readReference(BlockDraft& draft) {
   if (draft.reference_value) {
     draft.block.reference.value = *draft.reference_value;
   } else if (draft.varies == "soil" || !draft.values.empty()) {
-    throw InvalidParameter("reference_value", "nothing", "given, because the levels have `values` of their own");
+    throw InvalidParameter("reference_value", "nothing", "given, because the levels have `values`");
   }
 }
 
@@ -125,10 +125,10 @@ void readLevels(BlockDraft& draft) {
     draft.block.levels.push_back(stimulusOf(draft, "levels", level));
   }
   if (draft.levels.size() < 2) {
-    throw InvalidParameter("levels", "", "two or more: one level makes no curve");
+    throw InvalidParameter("levels", "", "two or more: a curve needs two levels");
   }
   if (draft.values.empty() && (draft.varies == "soil" || draft.reference_value)) {
-    throw InvalidParameter("values", "nothing", "given: where each level lies on the axis");
+    throw InvalidParameter("values", "nothing", "given: the value of each level on the axis");
   }
   if (draft.values.empty()) {
     return;
@@ -154,7 +154,7 @@ std::vector<Stimulus> easyLevels(const BlockDraft& draft, const char* key, const
     if (level != draft.block.levels.end()) {
       stimulus = *level;
     } else if (!has_places) {
-      throw InvalidParameter(key, wanted.text, "among the levels, because these have `values` of their own");
+      throw InvalidParameter(key, wanted.text, "one of the levels, because the levels have `values`");
     }
     if (stimulus.value == draft.block.reference.value) {
       throw InvalidParameter(key, wanted.text, "another than the reference");
@@ -171,7 +171,7 @@ void sortLevels(StudyBlock& block) {
     const Stimulus& other = block.levels[i];
     if (one.value == other.value) {
       throw InvalidParameter("levels", "",
-                             one.name == other.name ? fmt::format("each there once; {} is there twice", one.name)
+                             one.name == other.name ? fmt::format("each once; {} occurs twice", one.name)
                                                     : fmt::format("apart on the axis; {} and {} are both {}", one.name,
                                                                   other.name, one.value));
     }

@@ -103,16 +103,15 @@ std::string remarkOn(const StudyBlock& block, const PsychometricFunction& functi
   const double sigma = toAxis(function, function.threshold + jndOf(function)) - toAxis(function, function.threshold);
   const double shift = std::abs(toAxis(function, function.threshold) - toAxis(function, block.reference.value));
   if (block.procedure == ProcedureKind::kStaircase && shift > kMostShift * sigma) {
-    return fmt::format(
-        "equality lies {:.1f} JNDs from the reference, which the staircases do not cross: {} may be larger",
-        shift / sigma, measure);
+    return fmt::format("the PSE is {:.1f} JNDs from the reference, which the staircases do not cross: {} can be larger",
+                       shift / sigma, measure);
   }
   const Reach reach = reachOf(block, function);
   if (reach.farthest != nullptr && sigma >= reach.farthest_distance) {
-    return fmt::format("the levels end at {}: {} may be larger", reach.farthest->name, measure);
+    return fmt::format("the levels end at {}: {} can be larger", reach.farthest->name, measure);
   }
   if (reach.nearest != nullptr && sigma <= reach.nearest_distance) {
-    return fmt::format("no level is nearer to the reference than {}: {} may be smaller", reach.nearest->name, measure);
+    return fmt::format("no level is closer to the reference than {}: {} can be smaller", reach.nearest->name, measure);
   }
   return "";
 }
@@ -122,7 +121,7 @@ std::string remarkOnThreshold(const QuestPlus& posterior, double threshold) {
   if (least == most || (threshold > least && threshold < most)) {
     return "";
   }
-  return fmt::format("the threshold lies at the end of those that are thought possible, {:.3g} to {:.3g}", least, most);
+  return fmt::format("the threshold is at the limit of its range, {:.3g} to {:.3g}", least, most);
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ constexpr double kFeedback_s = 1.5;
 /// separate guard.
 constexpr double kShortestInterval_s = 0.3;
 
-[[noreturn]] void refuse(const char* asked, std::string_view when, std::string_view valid) {
-  throw InvalidParameter(asked, std::string(when), std::string(valid));
+[[noreturn]] void refuse(const char* asked, const std::string& why) {
+  throw RefusedAction(asked, why);
 }
 
 }  // namespace
@@ -44,7 +44,9 @@ void Conductor::resumeParticipant(std::string_view code) {
   };
   const auto found = std::find_if(all.rbegin(), all.rend(), wanted);
   if (found == all.rend()) {
-    refuse("participant", code, "one who has begun and not finished");
+    refuse("participant", code.empty()
+                              ? "cannot resume: no participant has an unfinished session"
+                              : fmt::format("cannot resume {}: not a participant with an unfinished session", code));
   }
   for (const TrialRow& row : store_.trials(found->id)) {
     if (row.state == TrialState::kBegun) {
@@ -229,29 +231,29 @@ void Conductor::halt(std::string_view problem) {
 
 void Conductor::proceed() {
   if (paused_) {
-    refuse("go", "in a pause", "asked for when it is over");
+    refuse("go", "cannot continue: the study is paused");
   }
   switch (phase_) {
     case StudyPhase::kConsent:
     case StudyPhase::kInstructions: return guarded([this] { finishStep(); });
     case StudyPhase::kInterval:
       if (block().teleop) {
-        refuse("go", "before the work is done", "left out: it ends when that is seen, or when the time is over");
+        refuse("go", "cannot continue: the task ends when its goal is reached or its time is over");
       }
       return guarded([this] { endInterval(); });
     case StudyPhase::kBreak:
       if (remaining().value_or(0) > 0) {
-        refuse("go", "in a break", fmt::format("asked for in {:.0f} s", std::ceil(*remaining())));
+        refuse("go", fmt::format("cannot continue: the break lasts another {:.0f} s", std::ceil(*remaining())));
       }
       since_break_ = 0;
       return guarded([this] { beginTrial(); });
-    default: refuse("go", "now", "asked for when there is something to go on from");
+    default: refuse("go", "\"Continue\" is not available now");
   }
 }
 
 void Conductor::fill(const std::map<std::string, std::string>& values) {
   if (paused_ || phase_ != StudyPhase::kForm) {
-    refuse("fill", "now", "asked for when there is a form");
+    refuse("fill", "no form is open");
   }
   // The store and its exports identify a form by its block, independent of its position in this participant's order.
   const std::string& form = step().of_block ? block().name : step().name;
@@ -261,10 +263,10 @@ void Conductor::fill(const std::map<std::string, std::string>& values) {
 
 void Conductor::answer(int choice) {
   if (paused_ || phase_ != StudyPhase::kQuestion || unsaved_) {
-    refuse("answer", "now", "given to a question that is open");
+    refuse("answer", "no question is open");
   }
   if (choice != 0 && choice != 1) {
-    refuse("choice", fmt::format("{}", choice), "0 or 1");
+    throw InvalidParameter("choice", fmt::format("{}", choice), "0 or 1");
   }
   const Stimulus& test = testOf(block(), trial_->plan);
   TrialAnswer given;
@@ -280,7 +282,7 @@ void Conductor::answer(int choice) {
 
 void Conductor::withdraw() {
   if (!participant_ || over()) {
-    refuse("quit", "now", "asked for by a participant under way");
+    refuse("quit", "cannot quit: no session is running");
   }
   guarded([this] {
     saveWhatWaits();
@@ -299,7 +301,7 @@ void Conductor::withdraw() {
 
 void Conductor::pause() {
   if (!participant_ || paused_ || over()) {
-    refuse("pause", "now", "asked for while a participant is under way");
+    refuse("pause", paused_ ? "the study is already paused" : "cannot pause: no session is running");
   }
   guarded([this] {
     dropTrial(TrialState::kRepeated, "paused");
@@ -312,7 +314,7 @@ void Conductor::pause() {
 
 void Conductor::resume() {
   if (!paused_) {
-    refuse("resume", "now", "asked for in a pause");
+    refuse("resume", "cannot resume: the study is not paused");
   }
   problem_.clear();
   paused_ = false;
@@ -335,10 +337,10 @@ void Conductor::resume() {
 
 void Conductor::repeat(Again which, std::string_view reason) {
   if (reason.empty()) {
-    refuse("reason", "nothing", "some words");
+    refuse("reason", "the reason is missing: enter a text");
   }
   if (!participant_ || over() || unsaved_ || step_ == steps_.size() || step().phase != StudyPhase::kPreparing) {
-    refuse("repeat", "now", "asked for during a block's trials");
+    refuse("repeat", "cannot repeat a trial: no block is running");
   }
   guarded([this, which, reason] {
     const bool under_way = underWay() && isTrialPhase(phase_);
@@ -359,7 +361,7 @@ void Conductor::repeat(Again which, std::string_view reason) {
 
 void Conductor::note(std::string_view text) {
   if (text.empty()) {
-    refuse("text", "nothing", "some words");
+    refuse("text", "the note is empty: enter a text");
   }
   store_.addNote(participant_ ? participant_->id : 0, text, "note");
   ++changes_;
@@ -452,7 +454,7 @@ StudyState Conductor::state() const {
     case StudyPhase::kConsent: now.button = "I agree and take part"; break;
     case StudyPhase::kInstructions: now.button = "Continue"; break;
     case StudyPhase::kInterval:
-      now.button = block().teleop ? "" : now.interval == 1 ? "I have felt enough" : "I have felt enough: answer";
+      now.button = block().teleop ? "" : now.interval == 1 ? "I am done" : "I am done: answer";
       now.work = block().teleop ? rig_.workText() : "";
       break;
     case StudyPhase::kBreak: now.button = now.remaining_s.value_or(0) > 0 ? "" : "Continue"; break;

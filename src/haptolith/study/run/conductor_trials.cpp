@@ -252,7 +252,7 @@ void Conductor::stopRecording() {
     try {
       rig_.stopRecording();
     } catch (const Failure& failure) {  // saving the response is more important
-      problem_ = fmt::format("the recording of this trial is not whole: {}", failure.what());
+      problem_ = fmt::format("the recording of this trial is incomplete: {}", failure.what());
       store_.addNote(participant_->id, problem_, "problem");
     }
   }

@@ -47,7 +47,7 @@ std::string criteriaNotMet(const StudyBlock& block, const BlockScores& scores) {
   const auto missed = [](const char* what, const Score& score, double share) {
     return score.of == 0 || score.reaches(share)
                ? std::string()
-               : fmt::format("{} criterion not met: {} of {} right, {} asked for", what, score.right, score.of, share);
+               : fmt::format("{} criterion not met: {} of {} correct, {} required", what, score.right, score.of, share);
   };
   const std::string practice =
       scores.practice_is_over ? missed("practice", scores.practice, block.practice_criterion) : "";

@@ -43,7 +43,7 @@ void SessionRig::show(const StudyBlock& block, const Stimulus& stimulus) {
 
 bool SessionRig::ready() {
   if (!session_.problem().empty()) {
-    throw Failure("the bed could not be made: " + session_.problem());
+    throw Failure("cannot prepare the bed: " + session_.problem());
   }
   return session_.settled();
 }

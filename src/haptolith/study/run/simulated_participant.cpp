@@ -76,10 +76,9 @@ void requireRatios(const StudyProtocol& protocol, JudgedBy by) {
     }
     for (const double value : values) {
       if (!(value > 0)) {
-        throw InvalidParameter(
-            fmt::format("block {}: value of a stimulus", block.name), fmt::format("{:g}", value),
-            "above 0: a simulated observer judges ratios; give the stimuli values that are, or let a "
-            "hand judge (--hand, --judge)");
+        throw InvalidParameter(fmt::format("block {}: value of a stimulus", block.name), fmt::format("{:g}", value),
+                               "above 0: a simulated observer judges ratios; use stimuli with positive values, or "
+                               "judge a quantity of the hand (--hand, --judge)");
       }
     }
   }
@@ -177,8 +176,8 @@ int SimulatedParticipant::choose(const Conductor& conductor, const StudyState& n
     reference = judged(summaries[trial.test_first ? 1 : 0], by_);
     if (!(test > 0 && reference > 0)) {
       throw Failure(
-          fmt::format("block {}: the hand felt {:g} of the test and {:g} of the reference, and a simulated "
-                      "observer judges ratios; another --hand or --judge may feel both",
+          fmt::format("block {}: the test gave {:g} and the reference {:g}, and a simulated observer judges ratios; "
+                      "use another --hand or --judge",
                       trial.block->name, test, reference));
     }
   }

@@ -85,7 +85,7 @@ bool speaksForItself(const StudyState& now) {
 std::string titleOf(const StudyState& now, bool asks) {
   const bool works = now.block != nullptr && now.block->teleop;
   if (works && !now.paused && now.phase == StudyPhase::kFeedback) {
-    return now.right.value_or(false) ? "That is done" : "The time is over";
+    return now.right.value_or(false) ? "Task completed" : "Time is over";
   }
   return speaksForItself(now) ? "" : asks ? now.block->question : now.title;
 }
@@ -137,7 +137,7 @@ std::string endingText(const StudyState& now, const std::filesystem::path& file)
     return fmt::format("{} has finished.", now.participant);
   }
   if (now.phase == StudyPhase::kWithdrawn) {
-    return fmt::format("{} has stopped taking part.", now.participant);
+    return fmt::format("{} has withdrawn.", now.participant);
   }
   const std::string trials = now.trials > 0  ? fmt::format(" after {} of {} trials", now.trial, now.trials)
                              : now.trial > 0 ? fmt::format(" after {}", pluralise(now.trial, "trial"))

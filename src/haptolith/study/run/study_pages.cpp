@@ -32,9 +32,9 @@ std::string StudyPages::refusal(std::uint32_t client, Wish wish) const {
   const Page& page = pages_.at(client);
   const bool takes_part = page.joined && page.role == StudyRole::kParticipant;
   if (!takes_part || wish != Wish::kHoldTool) {
-    return "a study is running: nobody changes the scene";
+    return "a study is running: the scene cannot be changed";
   }
-  return isPresented(conductor_.state()) ? "" : "there is nothing to feel now";
+  return isPresented(conductor_.state()) ? "" : "no stimulus is presented now";
 }
 
 StudyPages::News StudyPages::news(double force_n) {

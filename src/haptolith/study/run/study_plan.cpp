@@ -135,7 +135,7 @@ std::vector<PlanOutcome> leastParticipants(const StudyBlock& block, int repeats,
   requireInRange("power", share, {0, 1, Ends::kOpen});
   validate(block, {{1, repeats}}, parameters);
   if (!parameters.against && !parameters.width) {
-    throw InvalidParameter("against", "nothing", "another Weber fraction, or the width of the interval that is wanted");
+    throw InvalidParameter("against", "nothing", "another Weber fraction; or set the target width of the interval");
   }
   std::map<int, PlanOutcome> tried;
   const auto suffices = [&](int participants) {
@@ -146,8 +146,9 @@ std::vector<PlanOutcome> leastParticipants(const StudyBlock& block, int repeats,
   int enough = 4;
   while (!suffices(enough)) {
     if (enough == kMostParticipants) {
-      throw Failure(fmt::format("{} participants do not suffice: {:.0f} % of their studies do", enough,
-                                100 * successOf(tried.at(enough)).value));
+      throw Failure(
+          fmt::format("{} participants are not sufficient: {:.0f} % of the simulated studies reach the target", enough,
+                      100 * successOf(tried.at(enough)).value));
     }
     too_few = enough;
     enough = std::min(2 * enough, kMostParticipants);

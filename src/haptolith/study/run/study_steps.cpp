@@ -51,7 +51,7 @@ std::vector<StudyStep> stepsOf(const StudyProtocol& protocol, std::span<const Pl
       steps.push_back({.phase = StudyPhase::kForm,
                        .name = blockStep(position, "questionnaire"),
                        .title = block.title,
-                       .text = "About the trials that you have just done.",
+                       .text = "About the trials that you have just completed.",
                        .position = position,
                        .of_block = true,
                        .form = &block.questionnaire});
@@ -60,7 +60,7 @@ std::vector<StudyStep> stepsOf(const StudyProtocol& protocol, std::span<const Pl
   if (!protocol.questionnaire.empty()) {
     steps.push_back({.phase = StudyPhase::kForm,
                      .name = "questionnaire",
-                     .title = "About all of it",
+                     .title = "About the whole study",
                      .text = {},
                      .form = &protocol.questionnaire});
   }

@@ -81,7 +81,7 @@ std::string hashOfCode(std::string_view code) {
   std::array<char, crypto_pwhash_STRBYTES> hash{};
   if (crypto_pwhash_str(hash.data(), text.data(), text.size(), crypto_pwhash_OPSLIMIT_INTERACTIVE,
                         crypto_pwhash_MEMLIMIT_INTERACTIVE) != 0) {
-    throw Failure("there is no memory for the hash of a code: 64 MiB are needed");
+    throw Failure("not enough memory for the hash of a code: 64 MiB are needed");
   }
   return hash.data();
 }

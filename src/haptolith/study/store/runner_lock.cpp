@@ -39,9 +39,10 @@ RunnerLock::RunnerLock(const std::filesystem::path& study) {
     const std::string holder = holderOf(descriptor_);
     close(descriptor_);
     if (why == EAGAIN || why == EACCES) {
-      throw Failure(fmt::format(
-          "cannot run {}: another program{} runs it already; one at a time, others may look (`haptolith study status`)",
-          study.string(), holder));
+      throw Failure(
+          fmt::format("cannot run {}: another program{} already runs it; wait until it ends (`haptolith study status` "
+                      "works meanwhile)",
+                      study.string(), holder));
     }
     throw Failure(fmt::format("cannot run {}: cannot lock {}: {}", study.string(), path, std::strerror(why)));
   }

@@ -85,7 +85,7 @@ StudyStore::Implementation::Implementation(const fs::path& path, Access access) 
   std::error_code error;
   if (!fs::is_regular_file(path, error)) {
     throw InvalidParameter("study", fmt::format("'{}'", path.string()),
-                           "a file that `haptolith study new` has made; there is no such file");
+                           "a study file made by `haptolith study new`; there is no such file");
   }
   if (access == Access::kRun) {
     requireOneName(path);
@@ -128,16 +128,15 @@ void StudyStore::create(const fs::path& file, const StudyProtocol& protocol, std
     throw InvalidParameter("seed", fmt::format("{}", seed), fmt::format("0 to {}", kLargestSeed));
   }
   if (fs::exists(fs::symlink_status(file))) {
-    throw Failure(
-        fmt::format("{} exists already: a study's answers are never overwritten; choose another name", file.string()));
+    throw Failure(fmt::format("{} already exists: studies are never overwritten; choose another name", file.string()));
   }
   constexpr std::size_t kLongestStudyName_bytes = kLongestName_bytes - std::string_view("-recordings").size();
   if (const std::size_t bytes = file.filename().string().size(); bytes > kLongestStudyName_bytes) {
     throw InvalidParameter(
         "file", file.string(),
-        fmt::format("a name of at most {} bytes without its folder, not {}: files beside a study have its "
-                    "name and an ending",
-                    kLongestStudyName_bytes, bytes));
+        fmt::format(
+            "a name of at most {} bytes without its folder, not {}: other files of the study add an ending to it",
+            kLongestStudyName_bytes, bytes));
   }
   // Only the owner may read the answers; SQLite's companion files get the permissions of this file.
   const fs::path made = temporaryBeside(file, "part", kLongestStudyName_bytes);
@@ -220,9 +219,10 @@ ParticipantRow StudyStore::addParticipant(std::string_view code) {
         name = fmt::format("S{:02}", ++in_code);
       } while (taken(name));
     } else if (taken(name)) {
-      throw InvalidParameter("participant", inQuotes(name), "a code that nobody has yet");
+      throw InvalidParameter("participant", inQuotes(name), "an unused code");
     } else if (!removedAt(name).empty()) {
-      throw InvalidParameter("participant", inQuotes(name), "a code that nobody has had; who had it was removed");
+      throw InvalidParameter("participant", inQuotes(name),
+                             "an unused code; this one belonged to a participant who was removed");
     }
     execute(database, "UPDATE study SET largest_number = ?, largest_code = max(largest_code, ?)", number, in_code);
     const std::string now = nowText();

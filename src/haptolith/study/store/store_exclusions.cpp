@@ -18,16 +18,16 @@ namespace haptolith {
 
 void StudyStore::setExcluded(std::int64_t participant, bool excluded, std::string_view reason) {
   if (reason.find_first_not_of(" \t\n") == std::string_view::npos) {
-    throw InvalidParameter("reason", "nothing", "some words");
+    throw RefusedAction("reason", "the reason is missing: give a text");
   }
   implementation_->write([&] {
     implementation_->requireParticipant(participant);
     const std::vector<ParticipantRow> all = participants();
     const ParticipantRow& row = *std::ranges::find(all, participant, &ParticipantRow::id);
     if (row.excluded_for.empty() != excluded) {
-      throw InvalidParameter("participant", fmt::format("'{}'", row.code),
-                             excluded ? fmt::format("one who is not excluded yet (it was for: {})", row.excluded_for)
-                                      : "one who is excluded");
+      throw RefusedAction("participant", excluded ? fmt::format("participant '{}' is already excluded (reason: {})",
+                                                                row.code, row.excluded_for)
+                                                  : fmt::format("participant '{}' is not excluded", row.code));
     }
     return execute(*implementation_->database,
                    "INSERT INTO exclusion (participant, at, excluded, reason) VALUES (?, ?, ?, ?)", participant,

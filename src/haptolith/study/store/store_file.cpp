@@ -60,7 +60,7 @@ SQLite::Database openToRun(const fs::path& file) {
   SQLite::Database database(file.string(), SQLite::OPEN_READWRITE, kBusyTimeout_ms);
   (void)versionOf(database);
   if (sqlite3_db_readonly(database.getHandle(), "main") != 0) {
-    throw Failure(fmt::format("cannot run {}: it is read-only: allow writing (`chmod u+w`) or copy it", file.string()));
+    throw Failure(fmt::format("cannot run {}: it is read-only; allow writing (`chmod u+w`) or copy it", file.string()));
   }
   database.exec("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON");
   return database;
@@ -68,7 +68,7 @@ SQLite::Database openToRun(const fs::path& file) {
 
 void requireStudy(SQLite::Database& database, const fs::path& file) {
   if (database.execAndGet("PRAGMA application_id").getInt() != kStudyApplicationId) {
-    throw Failure(fmt::format("{} is not a study: must be a file that `haptolith study new` has made", file.string()));
+    throw Failure(fmt::format("{} is not a study: must be a file made by `haptolith study new`", file.string()));
   }
 }
 
@@ -76,7 +76,7 @@ void requireWhole(SQLite::Database& database, const fs::path& file) {
   const std::string found = database.execAndGet("PRAGMA integrity_check(1)").getString();
   if (found != "ok") {
     throw Failure(
-        fmt::format("{} is damaged ({}): go on with a copy of it; `sqlite3 FILE .recover` saves what can still be read",
+        fmt::format("{} is damaged ({}): continue with a backup; `sqlite3 FILE .recover` saves the readable part",
                     file.string(), found));
   }
 }
@@ -84,8 +84,8 @@ void requireWhole(SQLite::Database& database, const fs::path& file) {
 void requireOneName(const fs::path& file) {
   if (const std::uintmax_t names = fs::hard_link_count(file); names > 1) {
     throw Failure(
-        fmt::format("cannot run {}: the file has {} names (hard links), and answers could be lost between them: "
-                    "remove the others, or copy it",
+        fmt::format("cannot run {}: the file has {} names (hard links), which can lose responses; remove the other "
+                    "names, or copy the file",
                     file.string(), names));
   }
 }

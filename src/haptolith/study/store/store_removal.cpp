@@ -43,8 +43,8 @@ class Alone {
       if (std::chrono::steady_clock::now() > deadline) {
         goBack();
         throw Failure(
-            fmt::format("{} is open in another program, which could keep what is to be deleted; {}: close that program "
-                        "(a database browser, `haptolith study status` or `export`), then go on",
+            fmt::format("{} is open in another program, which could keep the data to be deleted; {}: close that "
+                        "program (a database browser, `haptolith study status` or `export`), then continue",
                         file.string(), otherwise));
       }
       std::this_thread::sleep_for(kPause);
@@ -174,8 +174,7 @@ void finish(SQLite::Database& database, const fs::path& study, const Pending& pe
 }
 
 constexpr std::string_view kNotAtItsEnd =
-    "a removal that was begun is not at its end, which the next `haptolith study forget`, `run` or `resume` brings "
-    "about";
+    "a removal is not completed; the next `haptolith study forget`, `run` or `resume` completes about";
 
 void finishAll(SQLite::Database& database, const fs::path& study) {
   for (const Pending& pending : pendingRemovals(database)) {

@@ -227,17 +227,18 @@ CREATE TABLE teleop (
 std::string_view remedyFor(int code) {
   switch (code) {
     case SQLITE_FULL:
-    case SQLITE_IOERR: return "the disk is full or failing: make room, then go on; every answer so far is kept";
+    case SQLITE_IOERR:
+      return "the disk is full or failing: free some space, then continue; all responses so far are saved";
     case SQLITE_BUSY:
-    case SQLITE_LOCKED: return "another program has locked it: close that (a database browser?), then go on";
+    case SQLITE_LOCKED: return "another program has locked it: close that program (a database browser?), then continue";
     case SQLITE_READONLY: return "it cannot be written: check the permissions of the file and of its folder";
     case SQLITE_CANTOPEN:
       return "it cannot be opened: check the permissions of the file and of its folder; a folder that cannot be "
              "written "
              "needs the files FILE-wal and FILE-shm, if there is a FILE-wal";
     case SQLITE_CORRUPT:
-      return "it is damaged: go on with a copy of it; `sqlite3 FILE .recover` saves what can still be read";
-    case SQLITE_NOTADB: return "it is not a study: must be a file that `haptolith study new` has made";
+      return "it is damaged: continue with a backup; `sqlite3 FILE .recover` saves the readable part";
+    case SQLITE_NOTADB: return "it is not a study: must be a file made by `haptolith study new`";
     default: return "";
   }
 }
@@ -256,10 +257,9 @@ void migrate(SQLite::Database& database, std::span<const char* const> migrations
   const int newest = static_cast<int>(migrations.size());
   const int version = versionOf(database);
   if (version > newest) {
-    throw Failure(
-        fmt::format("{}: made by a newer version of haptolith (its tables are version {}, known are up to {}): "
-                    "use that one",
-                    database.getFilename(), version, newest));
+    throw Failure(fmt::format(
+        "{}: made by a newer version of haptolith (table version {}; this program supports up to {}): use that version",
+        database.getFilename(), version, newest));
   }
   if (version == newest) {
     return;

@@ -106,7 +106,7 @@ class BilateralRobot {
     HandState hand{tool_, 1};
     hand.pose.position_m.z() += site_.surface_m;
     if (site_.scene.tick(hand) != StepStatus::kOk) {
-      throw Failure("the robot's bed no longer makes sense");
+      throw Failure("the robot's bed is not finite");
     }
     met_ = sensor_.read(site_.scene.soilWrench(), tool_);
     smooth_ = filter_.step(met_);
@@ -173,7 +173,7 @@ TeleopResult simulateBilateral(const TeleopSetup& setup, const TeleopProgress& p
     const DeviceInput input = hand.read();
     hand.came(input.pose);
     if (input.state != DeviceState::kLive) {
-      throw Failure("the operator's hand has come to its end");
+      throw Failure("the operator's motion has ended");
     }
     while (const std::optional<Link::Arrival> arrived = down.receive(now_s)) {
       if (const std::optional<SitePacket> seen = parseSite(arrived->packet)) {

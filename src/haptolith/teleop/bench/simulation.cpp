@@ -16,7 +16,7 @@ TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& prog
   requireInRange("lets_go_s", setup.lets_go_s.value_or(0), TeleopRanges::lets_go_s);
   if (setup.lets_go_s && (setup.task || setup.feedback != Feedback::kModel)) {
     throw InvalidParameter("lets_go_s", fmt::format("{:g}", *setup.lets_go_s),
-                           "for a hand that feels a model, without a task");
+                           "given with a rendered model and without a task");
   }
   requireInRange("robot_clock_share", setup.robot_clock_share, TeleopRanges::clock_share);
   if (setup.model.loop.tick_s != setup.site.loop.tick_s) {
@@ -24,10 +24,10 @@ TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& prog
                            fmt::format("the model's {:g}", setup.model.loop.tick_s));
   }
   if (setup.mends && (setup.feedback != Feedback::kModel || !canMend(setup.model.bed))) {
-    throw InvalidParameter("mends", "", "left out where no model is felt, or its grains are of several sizes");
+    throw InvalidParameter("mends", "", "left out without a rendered model, or with particles of several sizes");
   }
   if (setup.learns && setup.feedback != Feedback::kModel) {
-    throw InvalidParameter("learns", "", "left out where no model is felt");
+    throw InvalidParameter("learns", "", "left out without a rendered model");
   }
   return setup.feedback == Feedback::kBilateral ? simulation::simulateBilateral(setup, progress)
                                                 : simulation::simulateModel(setup, progress);

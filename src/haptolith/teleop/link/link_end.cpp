@@ -22,8 +22,8 @@ void requireSafe(const char* key, const std::string& address, const EndOptions& 
   if (!here && options.key.empty() && !options.insecure) {
     throw InvalidParameter(
         key, inQuotes(address),
-        "an address of this machine alone, such as 127.0.0.1:7410, unless packets are signed "
-        "(--key-file, docs/how-to/teleoperate.md) or all users of the network are trusted (--insecure)");
+        "an address of this machine only, such as 127.0.0.1:7410, unless packets are signed (--key-file, "
+        "docs/how-to/teleoperate.md) or all users of the network are trusted (--insecure)");
   }
 }
 

@@ -19,7 +19,7 @@ constexpr double kLongest_s = 1e8;
 
 void requireGrowing(const char* key, double before_s, double time_s) {
   if (time_s <= before_s) {
-    throw InvalidParameter(key, fmt::format("{:g} s after {:g} s", time_s, before_s), "times that grow");
+    throw InvalidParameter(key, fmt::format("{:g} s after {:g} s", time_s, before_s), "increasing times");
   }
 }
 
@@ -47,7 +47,7 @@ void validate(const LinkParameters& link) {
   requireInRange("loss_while_bad", link.loss_while_bad, LinkRanges::share);
   requireInRange("duplicate", link.duplicate, LinkRanges::share);
   if (link.turns_bad > 0 && link.turns_good == 0) {
-    throw InvalidParameter("turns_good", "0", "> 0: else the link is bad for ever once it is");
+    throw InvalidParameter("turns_good", "0", "> 0: otherwise the link never recovers");
   }
   requireInRange("rate_bit_s", link.rate_bit_s, LinkRanges::rate_bit_s);
   requireInRange("queue_packets", link.queue_packets, LinkRanges::queue_packets);
@@ -78,7 +78,7 @@ std::vector<DelayAt> readDelays(const std::filesystem::path& path) {
     delays.push_back({time_s - zero_s, table.number(columns[1], LinkRanges::delay_s)});
   }
   if (delays.empty()) {
-    throw InvalidParameter(path.string(), "without a delay", "a table of delays");
+    throw InvalidParameter(path.string(), "without delays", "a table of delays");
   }
   return delays;
 }

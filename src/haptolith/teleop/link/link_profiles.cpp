@@ -27,13 +27,14 @@ std::vector<LinkProfile> makeProfiles() {
   std::vector<LinkProfile> profiles;
   profiles.push_back(alike("lan", "a network in one building", 0.4e-3,
                            {.jitter_s = 0.05e-3, .jitter_shape = JitterShape::kPareto, .rate_bit_s = 100 * kMbit}));
-  profiles.push_back(alike("iss-s-band", "straight to the space station while it passes, as ROKVISS and KONTUR-2", 0.03,
+  profiles.push_back(alike("iss-s-band", "direct link to the space station during a pass, as in ROKVISS and KONTUR-2",
+                           0.03,
                            {.jitter_s = 5e-3, .jitter_correlation = 0.25, .loss = 0.005, .rate_bit_s = 0.256 * kMbit}));
-  profiles.push_back(alike("gateway", "from the Earth-Moon point L2 or the Gateway to the Moon's surface", 0.4,
+  profiles.push_back(alike("gateway", "Earth-Moon point L2 or the Gateway to the lunar surface", 0.4,
                            {.jitter_s = 2e-3, .loss = 0.001, .rate_bit_s = 10 * kMbit}));
-  profiles.push_back(alike("iss-relay", "through relay satellites to the space station, as ANALOG-1", 0.85,
+  profiles.push_back(alike("iss-relay", "relay satellites to the space station, as in ANALOG-1", 0.85,
                            {.jitter_s = 15e-3, .jitter_correlation = 0.5, .loss = 0.01, .rate_bit_s = 4 * kMbit}));
-  profiles.push_back(alike("earth-moon", "from Earth to the Moon: light alone takes 2.56 s there and back", 2.6,
+  profiles.push_back(alike("earth-moon", "Earth to the Moon; light needs 2.56 s for the round trip", 2.6,
                            {.jitter_s = 20e-3, .jitter_correlation = 0.5, .loss = 0.002, .rate_bit_s = 1 * kMbit}));
   // Bursts of 20 packets on average, 3 % of all packets.
   const LinkParameters bursty{.jitter_s = 100e-3,
@@ -42,11 +43,11 @@ std::vector<LinkProfile> makeProfiles() {
                               .turns_good = 0.05,
                               .rate_bit_s = 1 * kMbit};
   profiles.push_back(
-      alike("earth-moon-relay", "to the Moon over relays and ground networks, with bursts of loss", 5, bursty));
+      alike("earth-moon-relay", "Earth to the Moon over relays and ground networks, with bursts of loss", 5, bursty));
   LinkParameters broken = bursty;
   broken.outages = {{.start_s = 20, .duration_s = 10}};
   profiles.push_back(
-      alike("outage", "earth-moon-relay that is cut off for ten seconds, 20 s after its start", 5, broken));
+      alike("outage", "earth-moon-relay with an outage of ten seconds, 20 s after its start", 5, broken));
   return profiles;
 }
 

@@ -19,11 +19,11 @@ const char* text(StopReason reason) noexcept {
   switch (reason) {
     case StopReason::kNone: return "none";
     case StopReason::kSilence: return "silence";
-    case StopReason::kReleased: return "the hand let go";
+    case StopReason::kReleased: return "the hand released the tool";
     case StopReason::kJump: return "an impossible jump";
-    case StopReason::kGap: return "too much was lost";
-    case StopReason::kForce: return "too much force";
-    case StopReason::kRestart: return "the operator began anew";
+    case StopReason::kGap: return "too many packets lost";
+    case StopReason::kForce: return "force limit exceeded";
+    case StopReason::kRestart: return "the operator restarted";
     case StopReason::kFault: return "a fault";
   }
   return "?";

@@ -43,7 +43,7 @@ class UdpRelay::Implementation {
     io_.restart();
     io_.run_for(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(duration_s)));
     if (failed_) {
-      throw Failure(fmt::format("the relay cannot go on: {}", failed_.message()));
+      throw Failure(fmt::format("the relay failed: {}", failed_.message()));
     }
   }
 

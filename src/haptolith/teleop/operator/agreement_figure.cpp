@@ -70,8 +70,8 @@ void drawAgreement(const OutputFile& file, const std::vector<AgreementPanel>& pa
     figure.command(
         data.empty()
             ? std::string("plot NaN notitle")
-            : fmt::format("plot ${0} using 1:3 with lines linewidth 2.5 linecolor rgb '{2}' title 'met by the robot', "
-                          "${0} using 1:2 with lines linewidth 1.5 linecolor rgb '{1}' title 'felt by the hand'",
+            : fmt::format("plot ${0} using 1:3 with lines linewidth 2.5 linecolor rgb '{2}' title 'remote force', ${0} "
+                          "using 1:2 with lines linewidth 1.5 linecolor rgb '{1}' title 'rendered force'",
                           name, kDisplayed, kMet));
   }
   figure.command("unset multiplot");

@@ -36,7 +36,8 @@ ModelLearner::Prior priorOf(const SoilState& state) {
 
 SceneFile readyToLearn(SceneFile model) {
   if (!canLearn(model)) {
-    throw InvalidParameter("model: soil.friction", "paper", "contact: the paper's has no strength that digging tells");
+    throw InvalidParameter("model: soil.friction", "paper",
+                           "contact: the strength of 'paper' friction cannot be estimated from digging");
   }
   model.bed.soil.contact_cohesion_n = std::max(kHardly_n, model.bed.soil.contact_cohesion_n);
   return model;

@@ -95,7 +95,7 @@ ProbedSoil probeSite(const SceneFile& site, const RobotParameters& parameters, c
   }
   const MatchedForces matched = matchForces(movement, samples, Vec3::Zero());
   if (matched.windows == 0) {
-    throw Failure("the robot's tool was nowhere where the probe wanted it");
+    throw Failure("the robot's tool did not follow the probe");
   }
   const SoilIdentifier identifier(training);
   return {identifier.identify(matched.forces, site.bed.gravity_m_s2.norm()), matched.windows, matched.forces.size()};
@@ -103,7 +103,8 @@ ProbedSoil probeSite(const SceneFile& site, const RobotParameters& parameters, c
 
 SceneFile withBelievedSoil(SceneFile model, const SoilBelief& belief, const StrengthMap& strengths) {
   if (model.bed.soil.friction != FrictionModel::kContact) {
-    throw InvalidParameter("model: soil.friction", "paper", "contact: the paper's has no strength that digging tells");
+    throw InvalidParameter("model: soil.friction", "paper",
+                           "contact: the strength of 'paper' friction cannot be estimated from digging");
   }
   model.bed.soil = strengths.with(model.bed.soil, {belief.friction_angle_deg.middle, belief.cohesion_pa.middle});
   model.tool.friction = std::tan(belief.tool_friction_angle_deg.middle * std::numbers::pi / 180);

@@ -41,8 +41,9 @@ void validate(const RobotParameters& robot, double tick_s) {
     requireInRange("highest_m", robot.highest_m[axis], {robot.lowest_m[axis], Ranges::length_m.highest});
   }
   if (const double lightest_kg = lightestArm(robot.arm, tick_s); robot.arm.mass_kg <= lightest_kg) {
-    throw InvalidParameter("arm.mass_kg", fmt::format("{:g}", robot.arm.mass_kg),
-                           fmt::format("> {:g}, or a tick of {:g} s cannot follow the arm", lightest_kg, tick_s));
+    throw InvalidParameter(
+        "arm.mass_kg", fmt::format("{:g}", robot.arm.mass_kg),
+        fmt::format("> {:g}, or the arm is numerically unstable at a tick of {:g} s", lightest_kg, tick_s));
   }
   validate(robot.sensor);
 }
