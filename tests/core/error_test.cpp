@@ -22,7 +22,7 @@ TEST(RefusedAction, ReportsItsMessageAlone) {
   const RefusedAction refused("undo", "nothing to undo: the bed has not been changed");
   EXPECT_STREQ(refused.what(), "nothing to undo: the bed has not been changed");
   EXPECT_EQ(refused.key(), "undo");
-  const InvalidParameter& wrong_use = refused;  // the same exit status and the same error code of the library
+  const InvalidParameter& wrong_use = refused;  // equal exit status and error code of the library
   EXPECT_STREQ(wrong_use.what(), refused.what());
 }
 

@@ -160,7 +160,8 @@ std::vector<ProtocolKey> allProtocolKeys() {
       protocol.text("consent", &StudyProtocol::consent, "Consent text. Default: no such page.", TextSize::kPage),
       protocol.text("consent_version", &StudyProtocol::consent_version,
                     "Version of the consent text, stored with each consent. Default: its SHA-256."),
-      protocol.text("language", &StudyProtocol::language, "Language of the texts (BCP 47). Default: `en`."),
+      protocol.text("language", &StudyProtocol::language,
+                    "Language of the texts (BCP 47); the page has fixed words in `en` and `de`. Default: `en`."),
       {"", "authors", "",
        ProtocolKey::ItemsValue{
            "texts", [](D& d, const std::vector<TextOrNumber>& items) { d.protocol.authors = textsOf(items); }},
