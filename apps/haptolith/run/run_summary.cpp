@@ -56,8 +56,8 @@ std::string grainsText(const Bed& bed) {
   const std::vector<Bed::GrainRun> runs = bed.grainRuns();
   for (const auto& [grain_class, count] : runs) {
     const std::string size =
-        fmt::format("of R = {:g} mm", 1e3 * GrainClasses::scale(grain_class) * bed.parameters().soil.radius_m);
-    sizes.push_back(runs.size() == 1 ? size : fmt::format("{} {}", count, size));
+        fmt::format("R = {:g} mm", 1e3 * GrainClasses::scale(grain_class) * bed.parameters().soil.radius_m);
+    sizes.push_back(runs.size() == 1 ? "of " + size : fmt::format("{} of {}", count, size));
   }
   if (runs.size() > 1 && bed.heldParticles() > 0) {
     sizes.back() += " behind the sides";
