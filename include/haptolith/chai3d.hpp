@@ -217,7 +217,7 @@ struct SoilLink {
 
 }  // namespace detail
 
-/// Soil as a CHAI3D object: its particles as points. Its frame is the scene's: m, z up, the origin on the floor in the middle
+/// Soil as a CHAI3D object: its particles as points. Its frame is the scene's: m, z up, the origin on the floor at the centre
 /// of the box. It begins turned by 90 degrees about z, so that a person at CHAI3D's positive x axis has the scene's x to the
 /// right. Move it before a hand is in it, or from the haptic thread.
 class cHaptolithBed : public chai3d::cMultiPoint {

@@ -201,7 +201,7 @@ HAPTO_API int32_t hapto_scene_get_tool_pose(const hapto_scene *scene, hapto_pose
 /* One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
  * twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
  * soil_wrench  wrench of the soil on the tool, mean over the tick, scene frame; may be NULL.
- * Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m beside the box or
+ * Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m outside the box or
  * 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz] */
 HAPTO_API int32_t hapto_scene_step(hapto_scene *scene, const hapto_pose *scene_T_tool, const hapto_twist *twist,
                                    hapto_wrench *soil_wrench);
@@ -260,8 +260,8 @@ HAPTO_API int32_t hapto_scene_state_hash(const hapto_scene *scene, uint64_t *out
 /* Threads that step scenes, which stay the caller's and must not be destroyed before the batch.
  * threads  0: as many as the machine has. */
 HAPTO_API int32_t hapto_batch_create(hapto_scene *const *scenes, uint32_t count, uint32_t threads, hapto_batch **out);
-/* `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. The same bits as
- * one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+/* `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. Bit-identical to
+* stepping one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
  * returned. */
 HAPTO_API int32_t hapto_batch_step(hapto_batch *batch, uint64_t ticks, const hapto_pose *poses, const hapto_twist *twists,
                                    hapto_wrench *soil_wrenches, int32_t *status);

@@ -30,8 +30,8 @@ constexpr double kInnerSkinRadii = 0.1;
 /// faster than 0.05 mm/s moves. In wider boxes remainders are kept.
 constexpr double kExactWidth_m = 1;
 
-/// A thread is worth waking, which takes some 100 us, for at least this many particles; contacts with friction take
-/// three times as long as the paper's, and several substeps a tick. Where two threads begin to be faster than one in
+/// Smallest number of particles for which waking a thread, about 100 us, is worthwhile; contacts with friction take
+/// three times as long as the paper's, with several substeps per tick. Two threads become faster than one there in
 /// `haptolith bench` on two cores, to a power of two.
 std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kContact ? 512 : 4096;

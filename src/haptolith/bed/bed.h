@@ -87,7 +87,7 @@ class Bed {
 
   /// Whether a step is now worth the help of other threads.
   [[nodiscard]] bool sharesSteps() const noexcept;
-  /// A step comes within so long: the other threads wake up and look for it. May be called in the tick's thread,
+  /// Announces a step within this time: the other threads wake up and poll for it. May be called in the tick's thread,
   /// between ticks.
   void expectStep(std::int64_t within_ns) noexcept { team_.expect(within_ns); }
   /// Sets the scheduling of the other threads. May be called in the tick.

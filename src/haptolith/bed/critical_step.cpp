@@ -189,7 +189,7 @@ struct Neighbours {
 ///
 ///     stiff = n g(k_t / k) k' / M + k' / m,   damped = 2 (n g(sqrt(k_t / k)) c' / M + c' / m)
 ///
-/// n: nine on a sphere of their own size (packing(): 6 = 2 n / 3 without friction, neighbours moving the other way),
+/// n: nine on a sphere of equal size (packing(): 6 = 2 n / 3 without friction, neighbours moving the other way),
 /// and more in proportion to the room around a larger one, (r + R)^2 / 4 R^2; half of nine around the smallest. g: how
 /// a stone turns about itself, 5/3 of each contact's k_t, and by contacts that do not point to its middle. A tool adds
 /// what it presses on several spheres.

@@ -31,7 +31,7 @@ Slip opposite(const Slip& slip) noexcept {
   return {0 - slip.x, 0 - slip.y, 0 - slip.z};  // zero keeps a positive sign
 }
 
-/// For so long, about, nothing must have stirred: counted in steps of the bed alone, which a tool may make shorter.
+/// Approximate time at rest before sleep: counted in steps of the bed alone, which a tool may shorten.
 constexpr double kRest_s = 0.1;
 /// Time that defines the default distance of rest: a particle that moves further than the speed of rest times this time
 /// has moved, however slowly.

@@ -49,7 +49,7 @@ struct LammpsFiles {
 /// spheres (toolSpheres()) that follows its path and whose force is printed. The slip of contacts is
 /// lost.
 /// @throws InvalidParameter as granularLaw() and toolSpheres(); for jaws, which are not one rigid body, and for a path
-/// of fewer than two poses.
+/// with fewer than two poses.
 [[nodiscard]] LammpsFiles lammpsFiles(const Bed& bed, const LammpsRun& run);
 
 }  // namespace haptolith

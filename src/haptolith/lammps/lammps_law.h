@@ -44,7 +44,7 @@ enum class LammpsLaw { kOfStyles, kOwn };
 
 /// The contacts of a bed for LAMMPS.
 ///
-/// Where (paper 7) is a line and grains do not cohere, `granular` has the law itself. Other soil has Hertz' law for
+/// If (paper 7) is a line and there is no cohesion, `granular` has the law itself. Other soil has Hertz' law for
 /// the limit of friction, compression and cohesion together, as near as a stiffness and a distance at which it begins
 /// come to that of the contacts that the bed has now; and a table of what is lacking to the force along the normal
 /// (restForce()), which therefore is (paper 7)'s, with the pull across gaps. A table knows distances and not radii, so

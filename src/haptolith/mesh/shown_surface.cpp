@@ -40,7 +40,7 @@ TriangleMesh thickened(const TriangleMesh& sheet, double thickness_m) {
       closed.points_m.emplace_back(sheet.points_m[i] + side * thickness_m * outward[i]);
     }
   }
-  std::map<std::pair<std::int32_t, std::int32_t>, int> passed;  // each edge in each direction, so often
+  std::map<std::pair<std::int32_t, std::int32_t>, int> passed;  // number of passes of each edge in each direction
   for (const auto& [a, b, c] : sheet.triangles) {
     closed.triangles.push_back({a, b, c});
     closed.triangles.push_back({a + count, c + count, b + count});

@@ -48,8 +48,8 @@ class Replay {
   Replay(const RecordingReader& recording, std::optional<int> threads, const SettleProgress& progress = {});
 
   /// Goes through all ticks up to the first that is missing, and compares them bit by bit, to the first difference:
-  /// hashes of the bed, the tool's pose, the wrenches, energy, trip and flags. What the device reported is fed in;
-  /// times of work and whether a tick was late are not compared.
+  /// hashes of the bed, the tool's pose, the wrenches, energy, trip and flags. The recorded readings of the device are
+  /// fed in; times of work and whether a tick was late are not compared.
   /// @param go_on  called after each tick with its record and the replayed one; false ends it.
   [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on);
 

@@ -409,7 +409,7 @@ namespace Haptolith
     /// One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
     /// twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
     /// soil_wrench  wrench of the soil on the tool, mean over the tick, scene frame; may be NULL.
-    /// Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m beside the box or
+    /// Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m outside the box or
     /// 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz]
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -502,8 +502,8 @@ namespace Haptolith
     public static extern int hapto_batch_create(IntPtr* scenes, uint count, uint threads, IntPtr* @out);
 
     /// <summary>
-    /// `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. The same bits as
-    /// one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+    /// `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. Bit-identical to
+    /// * stepping one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
     /// returned.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]

@@ -38,7 +38,7 @@ constexpr int kFillings = 3;
 constexpr double kLaidRest_m_s = 1e-3;
 /// soil with given positions when nothing does so,
 constexpr double kGivenRest_m_s = 2e-5;
-/// and either is given up after so long a simulated time.
+/// and either is given up after this simulated time.
 constexpr double kLongestLaying_s = 60;
 
 /// Free grains of several sizes, class by class, ordered so that a group's 16 have about as many neighbours: it takes

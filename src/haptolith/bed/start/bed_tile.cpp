@@ -65,7 +65,7 @@ double meanSquareSpeed(const Bed& bed) {
   return sum / static_cast<double>(bed.particles());
 }
 
-/// Steps until `is_calm` finds the bed so, after so long at so large a speed.
+/// Steps until `is_calm` returns true, checked after the given time and below the given speed.
 void stepUntil(Bed& bed, const TileProgress& progress,
                const std::function<bool(double time_s, double speed)>& is_calm) {
   constexpr int kStepsBetweenLooks = 100;

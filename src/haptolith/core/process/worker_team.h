@@ -38,8 +38,8 @@ class WorkerTeam {
 
   static constexpr int kMostParts = 0xFFFF;
 
-  /// Work comes soon: wakes the threads, who then look for it for so long. Returns at once; may be called in the tick's
-  /// thread, between ticks.
+  /// Announces work: wakes the threads, which then poll for it for this time. Returns immediately; may be called in the
+  /// tick's thread, between ticks.
   void expect(std::int64_t within_ns) noexcept;
 
   /// From the next loop on the other threads are scheduled so. The scheduler leaves a thread without priority waiting

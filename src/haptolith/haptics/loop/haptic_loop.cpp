@@ -245,7 +245,7 @@ void HapticLoop::fadeTool() noexcept {
   scene_->setToolFade(fade_.stiffnessShare());
 }
 
-/// Time stands still, and the device shows no force.
+/// Pauses time; the device gets no force.
 void HapticLoop::standStill() noexcept {
   if (!device_.simulated()) {
     (void)device_.read();  // some devices fall asleep when they are not polled

@@ -35,7 +35,7 @@ struct Adjust {
   double tool_friction = 0;
 };
 /// Moves a particle if that is allowed (Scene::moveGrain()): also at most one per tick. Not to be requested
-/// for while time stands still: what is asked behind a second one, the end of the pause too, would wait for a tick.
+/// while time is paused: requests behind a second one, also the end of the pause, would wait for a tick.
 struct MoveGrain {
   GrainMove move;
 };

@@ -7,7 +7,7 @@
 
 namespace haptolith {
 
-/// As long as it lives, every signal that would end or halt the program (SIGSEGV, SIGABRT with std::terminate(),
+/// While it exists, every signal that would end or halt the program (SIGSEGV, SIGABRT with std::terminate(),
 /// SIGHUP, SIGTSTP of Ctrl-Z, SIGUSR1, SIGALRM, ...) first sets the force to zero. Then the default action follows: it
 /// ends the program, with a core dump if enabled, or halts it. Ignored signals stay ignored, and existing handlers of
 /// such a signal stay, except for crashes.

@@ -31,8 +31,8 @@ struct EndOptions {
 /// A number to call a connection by: drawn, never 0.
 [[nodiscard]] std::uint32_t newConnection();
 
-/// @param key, address  where packets come from or go to. @throws InvalidParameter when that is no address, or is
-/// beyond this machine while packets are not signed and nobody has asked for that.
+/// @param key, address  source or target of packets. @throws InvalidParameter for a malformed address, and for one
+/// beyond this machine while packets are unsigned without explicit consent.
 void requireSafe(const char* key, const std::string& address, const EndOptions& options);
 
 }  // namespace haptolith

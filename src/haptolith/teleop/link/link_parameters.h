@@ -16,7 +16,7 @@ enum class JitterShape {
   kPareto,   ///< a long tail upwards, of index 3; jitter_s is the standard deviation
 };
 
-/// From `start_s` on nothing gets through for so long.
+/// From `start_s` on nothing passes for this duration.
 struct Outage {
   double start_s = 0, duration_s = 0;
 

@@ -24,7 +24,7 @@ class UdpRelay {
   UdpRelay(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options);
   ~UdpRelay();
 
-  /// Passes packets on for so long. @throws Failure when the system takes no more.
+  /// Relays packets for this duration. @throws Failure when the system accepts no more.
   void run(double duration_s);
 
   [[nodiscard]] std::uint16_t port() const;

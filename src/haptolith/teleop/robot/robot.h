@@ -50,7 +50,7 @@ void validate(const RobotParameters& robot, double tick_s);
 
 /// A robot that follows commands by their index: an arm, and its safety functions. The arm is simulated in a
 /// separate bed, or external. No common clock with the operator is needed: it executes commands on arrival,
-/// in order, at the pace of its own ticks, up to a tenth faster when many wait. tick() allocates nothing with a
+/// in order, at the pace of its ticks, up to a tenth faster when many wait. tick() allocates nothing with a
 /// simulated arm.
 class Robot {
  public:
