@@ -261,7 +261,7 @@ HAPTO_API int32_t hapto_scene_state_hash(const hapto_scene *scene, uint64_t *out
  * threads  0: as many as the machine has. */
 HAPTO_API int32_t hapto_batch_create(hapto_scene *const *scenes, uint32_t count, uint32_t threads, hapto_batch **out);
 /* `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. Bit-identical to
-* stepping one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+ * stepping one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
  * returned. */
 HAPTO_API int32_t hapto_batch_step(hapto_batch *batch, uint64_t ticks, const hapto_pose *poses, const hapto_twist *twists,
                                    hapto_wrench *soil_wrenches, int32_t *status);

@@ -503,7 +503,7 @@ namespace Haptolith
 
     /// <summary>
     /// `ticks` of each scene: that number i moves along poses[i * ticks + t], which gives soil_wrenches[i * ticks + t]. Bit-identical to
-    /// * stepping one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
+    /// stepping one by one. status[i] is the status of scene i; each pointer but poses may be NULL. The first status that is not HAPTO_OK is
     /// returned.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
