@@ -544,7 +544,7 @@ TEST(Stones, AreRefusedWhereTheyCannotBe) {
   };
   BedParameters bed = soilWithStones();
   bed.soil.friction = FrictionModel::kPaper;
-  EXPECT_THAT(refusal(bed), HasSubstr("contact friction"));
+  EXPECT_THAT(refusal(bed), HasSubstr("friction = \"contact\""));
   bed = soilWithStones();
   bed.stones.placed[0].x_m = 0.095;
   EXPECT_THAT(refusal(bed), HasSubstr("completely in the box"));

@@ -563,7 +563,7 @@ TEST_F(ForceDimensionRead, WhatIsNotANumberIsNeverTold) {
     EXPECT_EQ(input.state, i < 9 ? DeviceState::kStale : DeviceState::kLost);
     EXPECT_TRUE(input.pose.position_m.allFinite());
   }
-  EXPECT_THAT(std::string(device->problem()), HasSubstr("not a number"));
+  EXPECT_THAT(std::string(device->problem()), HasSubstr("not finite"));
 }
 
 TEST_F(ForceDimensionRead, AMatrixThatIsNoRotationIsNeverTold) {

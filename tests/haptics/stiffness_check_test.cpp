@@ -82,7 +82,7 @@ TEST(StiffnessCheck, LeftToItselfTheCouplingFollowsFromTheDevice) {
 
 TEST(StiffnessCheck, ItsTextHasTheNumbersAndWhatHelps) {
   EXPECT_THAT(checkStiffness(joined(CouplingKind::kDirect), sphere(), kRadius_m, damped(2.5), kTick_s).text,
-              AllOf(HasSubstr("14500 N/m"), HasSubstr("29 contacts of 500 N/m"), HasSubstr("7.2 N s/m"),
+              AllOf(HasSubstr("14500 N/m"), HasSubstr("29 simultaneous contacts of 500 N/m"), HasSubstr("7.2 N s/m"),
                     HasSubstr("the device has 2.5"), HasSubstr("force_scale"), HasSubstr("kind = \"virtual\"")));
   EXPECT_THAT(checkStiffness(joined(CouplingKind::kVirtual), sphere(), kRadius_m, damped(2.5), kTick_s).text,
               AllOf(HasSubstr("300 N/m"), HasSubstr("virtual coupling"), HasSubstr("19 N s/m"),

@@ -57,7 +57,7 @@ TEST(Mend, LeavesASoundSolidAlone) {
 TEST(Mend, TurnsASolidOutwards) {
   const MendedMesh mended = mend(made::insideOut(made::cube(0.02)));
   EXPECT_NEAR(made::volume_m3(mended.mesh), kCube_m3, 1e-15);
-  EXPECT_THAT(mended.report, ElementsAre("Turned 1 part inside out."));
+  EXPECT_THAT(mended.report, ElementsAre("Flipped 1 part (inside out)."));
 }
 
 TEST(Mend, TurnsTrianglesAsTheirNeighboursLook) {
@@ -78,7 +78,7 @@ TEST(Mend, LeavesOutCopiesAndTrianglesWithoutArea) {
   const MendedMesh mended = mend(mesh);
   EXPECT_EQ(mended.mesh.triangles.size(), 12U);
   EXPECT_NEAR(made::volume_m3(mended.mesh), kCube_m3, 1e-15);
-  EXPECT_THAT(mended.report, ElementsAre("Left out 1 triangle without area.", "Left out 12 copies of others."));
+  EXPECT_THAT(mended.report, ElementsAre("Removed 1 triangle without area.", "Removed 12 copies of others."));
 }
 
 TEST(Mend, TakesASurfaceDrawnFromBothSidesForOne) {
@@ -201,7 +201,7 @@ TEST(Mend, RefusesASurfaceWithOneSide) {
     made::addQuad(strip, at(i, -0.01), at(i + 1, -0.01), at(i + 1, 0.01), at(i, 0.01));
   }
   made::addQuad(strip, at(19, -0.01), at(0, 0.01), at(0, -0.01), at(19, 0.01));
-  EXPECT_THAT(refusalOf(strip), HasSubstr("one side"));
+  EXPECT_THAT(refusalOf(strip), HasSubstr("one-sided"));
   EXPECT_EQ(mend(strip, {.sheet_thickness_m = 0.002}).sheet_thickness_m, 0.002);
 }
 

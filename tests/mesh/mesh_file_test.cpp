@@ -145,7 +145,7 @@ TEST(Stl, RefusesWhatIsCutOffOrCountsWrong) {
   for (std::size_t length = 1; length < text.size() - 13; length += 7) {
     EXPECT_NE(refusalOf(text.substr(0, length), MeshFormat::kStl), "accepted") << length;
   }
-  EXPECT_THAT(refusalOf(text.substr(0, text.size() - 13), MeshFormat::kStl), HasSubstr("cut off"));
+  EXPECT_THAT(refusalOf(text.substr(0, text.size() - 13), MeshFormat::kStl), HasSubstr("truncated"));
 }
 
 TEST(Stl, RefusesNumbersThatAreNone) {

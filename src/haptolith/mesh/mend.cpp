@@ -434,9 +434,9 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
                              fmt::format("a tool of at most {} closed parts", kMostShells));
     }
     const Turned turned = turnOutwards(mesh, shells);
-    tell(turned.parts, fmt::format("Flipped {} that were inside out.", pluralise(turned.parts, "part")));
+    tell(turned.parts, fmt::format("Flipped {} (inside out).", pluralise(turned.parts, "part")));
     tell(turned.cavities,
-         fmt::format("Kept {} as cavities, because they face inwards.", pluralise(turned.cavities, "inner part")));
+         fmt::format("Kept {} (cavity, facing inwards).", pluralise(turned.cavities, "inner part")));
     mended.shells = shells.of;
     mended.shell_count = static_cast<int>(shells.as_in_file.size());
     tell(may_be_sheet ? 1 : 0, "The surface is closed and therefore solid: the sheet thickness has no effect.");
