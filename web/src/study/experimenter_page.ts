@@ -331,7 +331,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
         suggestions: REASONS,
         choice: h('label', { class: 'check' }, last, ' Repeat the last answered trial instead of the running one'),
         stay: 'Cancel',
-        go_on: 'Repeat',
+        go_on: 'Repeat trial',
       },
       (reason) => tell({ do: 'study', act: 'repeat', which: last.checked ? 'last' : 'now', reason }),
     );

@@ -308,7 +308,7 @@ describe('what is shown', () => {
   it('of a loop that other programs keep waiting says so', async () => {
     const { page } = await visit({ late: 'others' });
     await page.getByRole('button', { name: 'late: other programs' }).click();
-    await page.getByText('Other programs take the processor').waitFor();
+    await page.getByText('Other programs delay the force loop').waitFor();
   });
 
   it.each([

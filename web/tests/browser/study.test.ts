@@ -339,7 +339,7 @@ describe("the experimenter's page", () => {
     await page.getByText('part 1 of 2 · trial 12 of 17').waitFor();
     expect(await page.locator('tbody tr').count()).toBe(11);
     await unblind(page);
-    await page.getByText('answers', { exact: true }).waitFor();
+    await page.getByText('answering', { exact: true }).waitFor();
     expect(await page.locator('.psychometric').count()).toBe(2);
     expect(await page.locator('.psychometric').first().locator('.point').count()).toBeGreaterThan(2);
     expect(await page.locator('.psychometric .curve').count()).toBe(1);
@@ -394,7 +394,7 @@ describe("the experimenter's page", () => {
   it('repeats a trial only with a reason, and keeps its answer', async () => {
     const { page, study } = await experimenter((study) => study.skipTo('feedback'));
     await page.getByRole('button', { name: 'Repeat a trial…' }).click();
-    const repeat = page.getByRole('button', { name: 'Repeat it' });
+    const repeat = page.getByRole('button', { name: 'Repeat trial' });
     expect(await repeat.isDisabled()).toBe(true);
     await page.getByRole('button', { name: 'distracted' }).click();
     await repeat.click();
