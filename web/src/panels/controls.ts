@@ -99,7 +99,7 @@ export class Controls {
     );
 
     this.still = button('Hold still', EXPLAIN.still, () => this.holdStill());
-    const open_file = button('Open a drawing…', EXPLAIN.tool_file, () => this.act.chooseToolFile());
+    const open_file = button('Open a mesh file…', EXPLAIN.tool_file, () => this.act.chooseToolFile());
     this.tool_file = h('div', { class: 'row buttons', hidden: true }, open_file);
     this.undo = button('Undo', EXPLAIN.undo, () => this.act.ask({ do: 'undo' }));
     this.pause = button('Pause', EXPLAIN.pause, () => this.togglePause());

@@ -92,7 +92,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
     const faces = ['1 3 4 2', '5 6 8 7', '1 2 6 5', '3 7 8 4', '1 5 7 3', '2 4 8 6'].map((f) => `f ${f}`);
     const [chooser] = await Promise.all([
       page.waitForEvent('filechooser'),
-      page.getByRole('button', { name: 'Open a drawing…' }).click(),
+      page.getByRole('button', { name: 'Open a mesh file…' }).click(),
     ]);
     const drawing = {
       name: 'plate.obj',

@@ -138,10 +138,10 @@ describe('the page', () => {
     const dialog = page.locator('.question-dialog');
     const [chooser] = await Promise.all([
       page.waitForEvent('filechooser'),
-      page.getByRole('button', { name: 'Open a drawing…' }).click(),
+      page.getByRole('button', { name: 'Open a mesh file…' }).click(),
     ]);
     await chooser.setFiles({ name: 'notes.txt', mimeType: 'text/plain', buffer: Buffer.from('no mesh') });
-    await page.getByText('notes.txt is no drawing of a tool').waitFor();
+    await page.getByText('notes.txt is not a mesh file').waitFor();
     await chooser.setFiles({ name: 'plate.obj', mimeType: 'model/obj', buffer: Buffer.from(PLATE) });
     await dialog.getByLabel('Unit of the file').selectOption('centimetres');
     await dialog.getByRole('button', { name: 'Use it' }).click();
@@ -208,7 +208,7 @@ describe('the page', () => {
     const port = portOf(program);
     await program.stop();
     await page.locator('.banner').waitFor({ state: 'visible' });
-    expect(await page.locator('.banner').textContent()).toContain('trying again');
+    expect(await page.locator('.banner').textContent()).toContain('retrying');
     program = await startProgram(port);
     await page.locator('.banner').waitFor({ state: 'hidden' });
     const { number } = await frame(page);
