@@ -435,8 +435,7 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
     }
     const Turned turned = turnOutwards(mesh, shells);
     tell(turned.parts, fmt::format("Flipped {} (inside out).", pluralise(turned.parts, "part")));
-    tell(turned.cavities,
-         fmt::format("Kept {} (cavity, facing inwards).", pluralise(turned.cavities, "inner part")));
+    tell(turned.cavities, fmt::format("Kept {} (cavity, facing inwards).", pluralise(turned.cavities, "inner part")));
     mended.shells = shells.of;
     mended.shell_count = static_cast<int>(shells.as_in_file.size());
     tell(may_be_sheet ? 1 : 0, "The surface is closed and therefore solid: the sheet thickness has no effect.");
