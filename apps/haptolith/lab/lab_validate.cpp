@@ -382,7 +382,7 @@ void Validation::savePage() const {
                 "and ± is the SD of one specimen.",
           HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   if (options_.claims_file.empty()) {
-    introduction.push_back(
+    introduction.emplace_back(
         "Depth counts from the level surface (docs/reports/accuracy.md), except under Stiffness of contacts and in "
         "tests\n"
         "without a depth.");

@@ -101,7 +101,7 @@ using Names = std::vector<const char*>;
 
 /// Groups of options; an option of a name is in the same group in every command.
 const std::vector<std::pair<const char*, Names>>& optionGroups() {
-  static const std::vector<std::pair<const char*, Names>> groups{
+  static const std::vector<std::pair<const char*, Names>> kGroups{
       {"Soil and scene",
        {"--set", "--preset", "--soil", "--friction", "--body", "--finest", "--coarser", "--measure-again", "--model",
         "--site", "--set-site", "--radius-mm", "--stiffness-n-m"}},
@@ -125,7 +125,7 @@ const std::vector<std::pair<const char*, Names>>& optionGroups() {
         "--overwrite", "--json"}},
       {"Browser view",
        {"--serve", "--no-serve", "--port", "--bind", "--token", "--token-file", "--participant-token", "--read-only"}}};
-  return groups;
+  return kGroups;
 }
 
 bool isShown(const CLI::Option* option) {
