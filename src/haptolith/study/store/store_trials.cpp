@@ -246,14 +246,14 @@ std::int64_t StudyStore::beginTrial(const TrialBegun& trial) {
     implementation_->requireParticipant(trial.participant);
     if (prepared(database, "SELECT 1 FROM trial WHERE participant = ? AND state = 'begun'", trial.participant)
             .executeStep()) {
-      throw Failure(fmt::format("{}: a trial is under way: answer it or call it lost before the next one begins",
+      throw Failure(fmt::format("{}: a trial is running: answer it or mark it as lost before the next one begins",
                                 implementation_->file.string()));
     }
     if (prepared(database,
                  "SELECT 1 FROM trial WHERE participant = ? AND block = ? AND trial = ? AND state = 'answered'",
                  trial.participant, trial.block, trial.index)
             .executeStep()) {
-      throw Failure(fmt::format("{}: trial {} of block '{}' has an answer already", implementation_->file.string(),
+      throw Failure(fmt::format("{}: trial {} of block '{}' already has an answer", implementation_->file.string(),
                                 trial.index, trial.block_name));
     }
     execute(
@@ -272,7 +272,7 @@ void StudyStore::answerTrial(std::int64_t id, const TrialAnswer& answer) {
   SQLite::Database& database = *implementation_->database;
   implementation_->write([&] {
     if (const TrialState state = implementation_->stateOf(id); state != TrialState::kBegun) {
-      throw Failure(fmt::format("{}: trial {} is {}: only one that is under way takes an answer",
+      throw Failure(fmt::format("{}: trial {} is {}: only a running trial takes an answer",
                                 implementation_->file.string(), id, wordOf(state)));
     }
     execute(database, "INSERT INTO answer (trial, positive, correct, reaction_s, timed_out) VALUES (?, ?, ?, ?, ?)", id,
@@ -295,7 +295,7 @@ void StudyStore::voidTrial(std::int64_t id, TrialState state, std::string_view r
     const TrialState now = implementation_->stateOf(id);
     const bool allowed = now == TrialState::kBegun || (now == TrialState::kAnswered && state == TrialState::kRepeated);
     if (!allowed) {
-      throw Failure(fmt::format("{}: trial {} is {}: it cannot be called {}", implementation_->file.string(), id,
+      throw Failure(fmt::format("{}: trial {} is {}: it cannot be marked as {}", implementation_->file.string(), id,
                                 wordOf(now), wordOf(state)));
     }
     return execute(*implementation_->database, "UPDATE trial SET state = ?, reason = ? WHERE id = ?", wordOf(state),
