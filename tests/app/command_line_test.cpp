@@ -276,7 +276,7 @@ TEST(Run, BuiltInScenesHaveNamesEverywhere) {
   EXPECT_THAT(result.output, StartsWith("Loose soil from rain"));
   const std::string scenes = runHaptolith("scenes").output;
   EXPECT_THAT(scenes, HasSubstr("sandbox        A sandbox of 1 m x 1 m"));
-  EXPECT_THAT(scenes, HasSubstr("What the robot finds where the operator's model is that of dig.toml"));
+  EXPECT_THAT(scenes, HasSubstr("Soil at the robot's site, for the operator's model in dig.toml"));
   EXPECT_THAT(runHaptolith("run sandbx").errors, HasSubstr("did you mean sandbox?"));
 }
 

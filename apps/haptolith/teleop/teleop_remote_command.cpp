@@ -37,8 +37,8 @@ constexpr const char* kTeleopRemoteExamples = R"(Examples:
   haptolith teleop remote --listen 0.0.0.0:7410 --key-file teleop.key
                                                    make the key: openssl rand -hex 32 > teleop.key
 
-Another robot can use the packets of docs/reference/teleop-packets.md, with include/haptolith/teleop.h
-in C or examples/teleop_robot.py in Python.)";
+Another robot can use the packets of docs/reference/teleop-packets.md,
+with include/haptolith/teleop.h in C or examples/teleop_robot.py in Python.)";
 
 struct RemoteOptions {
   std::string site = "dig-site";
