@@ -131,7 +131,7 @@ describe('access', () => {
     expect((await scene(page)).body).toBe('Moon');
     await body.selectOption('Mars');
     await page.getByRole('heading', { name: 'A user is holding the device' }).waitFor();
-    await page.getByRole('button', { name: 'Change it' }).click();
+    await page.getByRole('button', { name: 'Change' }).click();
     await page.waitForFunction(() => window.haptolith!.scene!.body === 'Mars');
     await page.locator('#body').selectOption('Earth');
     await page.waitForFunction(() => window.haptolith!.scene!.body === 'Earth');
