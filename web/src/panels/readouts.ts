@@ -90,7 +90,7 @@ export function robotInWords(robot: Robot): string {
   return `robot ${robot.state}${why}, ${(robot.behind / 1000).toFixed(1)} s behind${more}`;
 }
 
-/** Formats the estimated soil: "soil learned: 34° (31 to 37), 150 Pa (90 to 240)". */
+/** Formats the estimated soil: "estimated soil: 34° (31 to 37), 150 Pa (90 to 240)". */
 export function learnedInWords(learned: NonNullable<Robot['learned']>): string {
   const between = (interval: number[], unit: string) => {
     const [low, middle, high] = interval.map((number) => number.toFixed(0));

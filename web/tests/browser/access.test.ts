@@ -100,7 +100,7 @@ describe('access', () => {
     await connected(watched);
     const { page } = watched;
     await page.getByText('following, 2.6 s behind').waitFor();
-    await page.getByText('soil learned: 34° (31 to 37), 150 Pa (90 to 240)').waitFor();
+    await page.getByText('estimated soil: 34° (31 to 37), 150 Pa (90 to 240)').waitFor();
     expect((await page.locator('[data-test=met]').textContent())?.trim()).toBe('5.00');
     expect(await page.locator('[data-test=met]').isVisible()).toBe(true);
     const site = page.getByRole('region', { name: "The robot's site" });
