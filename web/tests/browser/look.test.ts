@@ -80,7 +80,7 @@ describe('a tool that somebody drew', () => {
 
   it('is one of the tools, by its button and by the key', async () => {
     const { page, complaints } = await visit({ mesh: SCOOP });
-    const button = page.getByRole('button', { name: 'mesh' });
+    const button = page.getByRole('button', { name: 'mesh', exact: true });
     expect(await button.getAttribute('title')).toBe('scoop.stl');
     await button.click();
     await page.locator('[data-shape=mesh][aria-pressed=true]').waitFor();
