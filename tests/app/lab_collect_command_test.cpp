@@ -131,7 +131,7 @@ TEST_F(LabCollect, PutsCalibrationsTogether) {
   EXPECT_NEAR(answer.at("findings").at(0).at("mean"), 34.5, 1e-12);
   EXPECT_EQ(answer.at("findings").at(0).at("passes"), false);
   EXPECT_THAT(runHaptolith("lab collect " + files).output,
-              HasSubstr("lab calibrate: 32°, 0 Pa, 1500 kg/m³, contact friction, Moon, macroparticles of 7 mm; 2"));
+              HasSubstr("lab calibrate: 32°, 0 Pa, 1500 kg/m³, contact friction, Moon, particles of R = 7 mm; 2"));
   expectRefused(files + " " + calibration(3, 0.25, 33, 33),
                 HasSubstr("target/friction_angle_deg is 32.0 there and 33.0 here"));
 }

@@ -91,7 +91,7 @@ TEST_F(LabReportCommand, ResultsSurviveAKillAndOneProcessWorksAtATime) {
   ASSERT_EQ(resumed.exit_status, 0) << resumed.errors;
   EXPECT_EQ(json::parse(textOf(firstResult("parts"))), first);
   EXPECT_THAT(page("parts"), AllOf(HasSubstr("1.00000 <span"), HasSubstr("Values are of one seed"),
-                                   HasSubstr("fall: lunar-0-15cm, contact friction, Moon, macroparticles of 7 mm, "
+                                   HasSubstr("fall: lunar-0-15cm, contact friction, Moon, particles of R = 7 mm, "
                                              "seed 1</figcaption>")));
 }
 

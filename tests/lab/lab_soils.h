@@ -4,7 +4,7 @@
 
 namespace haptolith {
 
-/// Lunar contacts (docs/reference/soils.md) with another friction and cohesion, macroparticles of 7 mm.
+/// Lunar contacts (docs/reference/soils.md) with another friction and cohesion, particles of R = 7 mm.
 inline SoilParameters testSoil(double contact_friction, double contact_cohesion_n) {
   SoilParameters soil;
   soil.gamma_nm = 6e-5;

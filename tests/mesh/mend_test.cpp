@@ -78,7 +78,7 @@ TEST(Mend, LeavesOutCopiesAndTrianglesWithoutArea) {
   const MendedMesh mended = mend(mesh);
   EXPECT_EQ(mended.mesh.triangles.size(), 12U);
   EXPECT_NEAR(made::volume_m3(mended.mesh), kCube_m3, 1e-15);
-  EXPECT_THAT(mended.report, ElementsAre("Removed 1 triangle without area.", "Removed 12 copies of others."));
+  EXPECT_THAT(mended.report, ElementsAre("Removed 1 triangle without area.", "Removed 12 copies of triangles."));
 }
 
 TEST(Mend, TakesASurfaceDrawnFromBothSidesForOne) {

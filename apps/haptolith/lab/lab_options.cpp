@@ -119,7 +119,7 @@ nlohmann::ordered_json circumstancesJson(const LabOptions& options, const LabSoi
 }
 
 std::string circumstancesText(const LabOptions& options, const LabSoil& soil, const LabConditions& conditions) {
-  return fmt::format("{}, {} friction, {}, macroparticles of {:.3g} mm, seed {}", soil.name,
+  return fmt::format("{}, {} friction, {}, particles of R = {:.3g} mm, seed {}", soil.name,
                      wordFor(kFrictionWords, conditions.soil.friction), findBody(options.body).name,
                      conditions.soil.radius_m / kMm, conditions.seed);
 }

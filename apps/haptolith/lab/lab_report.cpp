@@ -252,7 +252,7 @@ LabConditions Report::conditionsOf(const ReportPiece& piece, const LabSoil& soil
   return conditions;
 }
 
-/// Returns "shear: dry-sand, contact friction, Earth, macroparticles of 7 mm, seed 1".
+/// Returns "shear: dry-sand, contact friction, Earth, particles of R = 7 mm, seed 1".
 std::string Report::captionOf(const ReportPiece& piece) const {
   const LabSoil soil = soilOf(piece);
   return fmt::format("{}: {}", reportName(tests_[piece.test]),

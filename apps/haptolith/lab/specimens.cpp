@@ -342,7 +342,7 @@ Collection collected(std::vector<Specimen> specimens) {
   }
   collection.json["results"] = overSpecimens(results);
   collection.text =
-      fmt::format("lab {}: {}, {} friction, {}, macroparticles of {:.3g} mm; {} specimen{}, seed{} {}\n\n{}{}",
+      fmt::format("lab {}: {}, {} friction, {}, particles of R = {:.3g} mm; {} specimen{}, seed{} {}\n\n{}{}",
                   first.at("test").get<std::string>(), first.at("soil").get<std::string>(),
                   first.at("friction").get<std::string>(), first.at("body").get<std::string>(),
                   first.at("radius_mm").get<double>(), specimens.size(), specimens.size() > 1 ? "s" : "",

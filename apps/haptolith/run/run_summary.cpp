@@ -49,8 +49,8 @@ std::string wakeUpText(const Histogram& late_us) {
                            late_us.percentile(0.5), late_us.percentile(0.99), late_us.percentile(0.999), late_us.max());
 }
 
-/// Returns "256 macroparticles of 7 mm", "2048 macroparticles (208 of 7 mm, 1840 of 3.5 mm)"; held particles of several
-/// sizes come last, "189 of 7 mm behind the sides".
+/// Returns "256 particles of R = 7 mm", "2048 particles (208 of R = 7 mm, 1840 of R = 3.5 mm)"; held particles of
+/// several sizes come last, "189 of 7 mm behind the sides".
 std::string grainsText(const Bed& bed) {
   std::vector<std::string> sizes;
   const std::vector<Bed::GrainRun> runs = bed.grainRuns();

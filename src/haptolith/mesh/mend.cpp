@@ -409,7 +409,7 @@ MendedMesh mend(TriangleMesh mesh, const MendOptions& options) {
   const Copies copies = dropCopies(mesh);
   tell(copies.copies, copies.two_sided
                           ? fmt::format("Removed {}: the surface had both sides.", pluralise(copies.copies, "triangle"))
-                          : fmt::format("Removed {} of others.",
+                          : fmt::format("Removed {} of triangles.",
                                         copies.copies == 1 ? "1 copy" : fmt::format("{} copies", copies.copies)));
   tell(copies.inner_walls,
        fmt::format("Removed {} inside, between parts that touch.", pluralise(copies.inner_walls, "wall triangle")));
