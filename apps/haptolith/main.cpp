@@ -4,22 +4,26 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/files/moved_file.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/plain_text.h"
 
 #include "commands.h"
+#include "shared/former_arguments.h"
 #include "shared/help_formatter.h"
 #include "shared/option_checks.h"
 #include "shared/output.h"
@@ -137,11 +141,13 @@ void tellWhatWasSaved(const CLI::App& app) {
   json != nullptr && json->count() > 0 ? printNotice(saved) : printText(saved);
 }
 
+void warn(std::string_view line) {
+  spdlog::warn("{}", line);
+}
+
 ExitStatus run(CLI::App& app, int argc, char** argv) {
   try {
-    const auto warn = [](std::string_view line) { spdlog::warn("{}", line); };
     useTileCache(tileFolder(), warn);
-    reportMovedFiles(warn);
     useSimdTargetOfEnvironment();
     app.parse(argc, argv);
     tellWhatWasSaved(app);
@@ -174,6 +180,13 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, like a full disk
   try {
     logToStandardError();
+    reportFormerNames(warn);
+    std::vector<std::string> arguments = currentArguments({argv, argv + argc});
+    std::vector<char*> pointers;
+    std::ranges::transform(arguments, std::back_inserter(pointers), &std::string::data);
+    pointers.push_back(nullptr);
+    argc = static_cast<int>(arguments.size());
+    argv = pointers.data();
     runWhatIsElsewhere(argc, argv);
     CLI::App app{"haptolith: lunar and planetary soil simulated and rendered on a haptic device at 1 kHz", "haptolith"};
     app.set_version_flag("-V,--version", "haptolith " HAPTOLITH_VERSION, "Print the version");

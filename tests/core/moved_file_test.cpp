@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptolith/core/files/input_file.h"
+#include "haptolith/core/former_names.h"
 
 namespace haptolith {
 namespace {
@@ -21,10 +22,10 @@ class MovedFileTest : public testing::Test {
   MovedFileTest() {
     fs::create_directories(folder_ / "scenes");
     std::ofstream(folder_ / "scenes" / "dig.csv") << "1\n";
-    reportMovedFiles([this](std::string_view line) { reported_.emplace_back(line); });
+    reportFormerNames([this](std::string_view line) { reported_.emplace_back(line); });
   }
   ~MovedFileTest() override {
-    reportMovedFiles({});
+    reportFormerNames({});
     fs::remove_all(folder_);
   }
 

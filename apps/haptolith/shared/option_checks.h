@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/scene_file/toml/file_keys.h"
 
 namespace haptolith {
@@ -40,7 +41,7 @@ template <class Value>
     words.push_back(word);
   }
   const auto read = [table, words](std::string& text) -> std::string {
-    const auto entry = table.find(std::string(currentWord(CLI::detail::to_lower(text))));
+    const auto entry = table.find(std::string(currentNameTold(NameKind::kWord, CLI::detail::to_lower(text))));
     if (entry == table.end()) {
       return notAmong(words, text);
     }

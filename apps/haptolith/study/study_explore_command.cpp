@@ -13,6 +13,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/scene_file/toml/file_keys.h"
 #include "haptolith/study/perception/perception.h"
@@ -269,7 +270,7 @@ void addStudyExploreCommand(CLI::App& study) {
       ->excludes(protocols)
       ->capture_default_str();
   command->add_option("--friction", options->friction, "Friction model")
-      ->transform([](const std::string& word) { return std::string(currentWord(word)); }, "")
+      ->transform([](const std::string& word) { return std::string(currentNameTold(NameKind::kWord, word)); }, "")
       ->check(oneOf({"paper", "contact", "both"}))
       ->excludes(protocols)
       ->capture_default_str();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/scene_file/built_in_scenes.h"
 #include "haptolith/scene_file/key_use.h"
@@ -203,8 +204,9 @@ SceneFile read(const TomlReader& reader, From from, SceneFile scene = {}) {
 }
 
 TomlReader readerOf(std::string_view name_or_file) {
+  const std::string_view name = currentNameTold(NameKind::kScene, name_or_file);
   for (const BuiltInScene& scene : builtInScenes()) {
-    if (name_or_file == scene.name) {
+    if (name == scene.name) {
       return {fmt::format("scenes/{}.toml", scene.name), scene.text, kScene};
     }
   }

@@ -9,6 +9,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/json_reader.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/scene_file/scene_words.h"
 
@@ -31,7 +32,7 @@ auto word(const JsonValue& object, const char* key, const Table& table)
     return std::nullopt;
   }
   for (const auto& entry : table) {
-    if (entry.name == currentWord(name->text())) {
+    if (entry.name == currentName(NameKind::kWord, name->text())) {
       return entry.value;
     }
   }

@@ -2,49 +2,30 @@
 
 #include <fmt/format.h>
 
-#include <mutex>
-#include <set>
+#include <string>
 #include <system_error>
-#include <utility>
+
+#include "haptolith/core/former_names.h"
 
 namespace haptolith {
 
-namespace {
-
 namespace fs = std::filesystem;
-
-struct Reports {
-  std::mutex mutex;
-  std::function<void(std::string_view)> report;
-  std::set<fs::path> reported;
-};
-
-Reports& reports() {
-  static Reports all;
-  return all;
-}
-
-}  // namespace
 
 fs::path currentPath(const fs::path& path) {
   std::error_code ignored;  // such as a name that is too long for any file
-  if (path.parent_path().filename() != "scenarios" || fs::exists(path, ignored)) {
+  const fs::path folder = path.parent_path().filename();
+  const bool is_scene = folder == "scenarios" || folder == "scenes";
+  if ((!is_scene && folder != "protocols") || fs::exists(path, ignored)) {
     return path;
   }
-  const fs::path current = path.parent_path().parent_path() / "scenes" / path.filename();
+  const NameKind kind = is_scene ? NameKind::kScene : NameKind::kProtocol;
+  const std::string name = std::string(currentName(kind, path.stem().string())) + path.extension().string();
+  const fs::path current = path.parent_path().parent_path() / (is_scene ? "scenes" : "protocols") / name;
   if (!fs::exists(current, ignored)) {
     return path;
   }
-  const std::lock_guard lock(reports().mutex);
-  if (reports().report && reports().reported.insert(path).second) {
-    reports().report(fmt::format("{} is now {}", path.string(), current.string()));
-  }
+  tellOfFormerName(fmt::format("{} is now {}", path.string(), current.string()));
   return current;
-}
-
-void reportMovedFiles(std::function<void(std::string_view)> report) {
-  const std::lock_guard lock(reports().mutex);
-  reports().report = std::move(report);
 }
 
 }  // namespace haptolith

@@ -99,9 +99,6 @@ struct FileKey {
   std::string_view meaning;  ///< one sentence for the document
 };
 
-/// The word of today in place of one that earlier versions wrote ("pairwise" for "contact"); any other as it is.
-[[nodiscard]] std::string_view currentWord(std::string_view word) noexcept;
-
 /// "P1, P2 or P3".
 [[nodiscard]] std::string anyOf(const std::vector<std::string_view>& words);
 

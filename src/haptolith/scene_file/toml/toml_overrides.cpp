@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/scene_file/toml/toml_reader.h"
 
@@ -33,9 +34,10 @@ Override parsedOverride(const std::string& text) {
     const InvalidParameter wrong("override", fmt::format("'{}'", shortened(text)), std::string(kOverrideValid));
     throw TomlError(wrong.what(), 0, wrong);
   }
-  const std::size_t dot = name.find('.');
-  return {.table = dot == std::string::npos ? "" : name.substr(0, dot),
-          .key = dot == std::string::npos ? name : name.substr(dot + 1),
+  const std::string current(currentNameTold(NameKind::kKey, name));
+  const std::size_t dot = current.find('.');
+  return {.table = dot == std::string::npos ? "" : current.substr(0, dot),
+          .key = dot == std::string::npos ? current : current.substr(dot + 1),
           .value = trimmed(std::string_view(text).substr(equals + 1))};
 }
 

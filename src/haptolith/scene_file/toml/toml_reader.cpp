@@ -12,6 +12,7 @@
 
 #include "haptolith/core/files/input_file.h"
 #include "haptolith/core/files/moved_file.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/core/plain_text.h"
 
@@ -70,16 +71,48 @@ std::string dotted(const KeyName& key) {
   return key.table.empty() ? std::string(key.name) : fmt::format("{}.{}", key.table, key.name);
 }
 
+/// Renames the keys of `table` that earlier versions called otherwise; a key whose current name is also there stays.
+/// @param name  of the table, last part
+/// @param current  currentName() or currentNameTold()
+void useCurrentKeys(toml::table& table, std::string_view name,
+                    const std::function<std::string_view(NameKind, std::string_view)>& current) {
+  std::vector<std::pair<std::string, std::string>> renamed;
+  for (auto&& [key, node] : table) {
+    if (toml::table* part = node.as_table()) {
+      useCurrentKeys(*part, key.str(), current);
+    } else if (toml::array* parts = node.as_array()) {
+      for (toml::node& element : *parts) {
+        if (toml::table* part = element.as_table()) {
+          useCurrentKeys(*part, key.str(), current);
+        }
+      }
+    }
+    const std::string full = dotted({name, key.str()});
+    const std::string_view now = current(NameKind::kKey, full);
+    if (now != full) {
+      renamed.emplace_back(key.str(), now.substr(now.rfind('.') + 1));
+    }
+  }
+  for (const auto& [former, now] : renamed) {
+    if (!table.contains(now)) {
+      table.get(former)->visit([&, to = now](auto& value) { table.insert(to, std::move(value)); });  // and its source
+      table.erase(former);
+    }
+  }
+}
+
 }  // namespace
 
 // --- the file ---
 
 TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(currentPath(path)), kind_(kind) {
   table_ = std::make_shared<toml::table>(parse(readText()));
+  useCurrentKeys(*table_, "", currentNameTold);
 }
 
 TomlReader::TomlReader(const fs::path& path, std::string_view text, const FileKind& kind) : path_(path), kind_(kind) {
   table_ = std::make_shared<toml::table>(parse(text));
+  useCurrentKeys(*table_, "", currentName);  // a recording tells nobody of the names in it
 }
 
 TomlReader::TomlReader(const TomlReader& whole, std::string_view name, toml::table& part)
@@ -341,7 +374,7 @@ bool TomlReader::onOrOff(const Place& place) const {
 }
 
 std::string_view TomlReader::word(const Place& place, const std::vector<std::string_view>& words) const {
-  const std::string given(currentWord(place.node.value_or(std::string())));
+  const std::string given(currentName(NameKind::kWord, place.node.value_or(std::string())));
   const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
   for (const std::string_view valid : words) {
     if (std::ranges::equal(given, valid, same_letter)) {

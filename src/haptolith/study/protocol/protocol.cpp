@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/scene_file/toml/toml_reader.h"
 #include "haptolith/study/protocol/built_in_protocols.h"
 #include "haptolith/study/protocol/form.h"
@@ -230,7 +231,8 @@ StudyBlock readBlock(const TomlReader& reader, const StudyProtocol& protocol) {
 /// Returns the built-in scene named by the key; empty: the key is missing or names a file.
 std::string builtInScene(const TomlReader& reader) {
   const toml::node* key = reader.find("", "scene");
-  const std::string name = key != nullptr ? key->value_or(std::string()) : "";
+  const std::string given = key != nullptr ? key->value_or(std::string()) : "";
+  const std::string name(currentName(NameKind::kScene, given));
   const std::vector<std::string> names = sceneNames();
   return std::ranges::find(names, name) != names.end() ? name : "";
 }
@@ -305,8 +307,9 @@ std::vector<std::string_view> protocolNames() {
 
 ProtocolText findProtocol(std::string_view name_or_file) {
   const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  const std::string_view name = currentNameTold(NameKind::kProtocol, name_or_file);
   for (const BuiltInProtocol& protocol : builtInProtocols()) {
-    if (std::ranges::equal(name_or_file, protocol.name, same_letter)) {
+    if (std::ranges::equal(name, protocol.name, same_letter)) {
       return {.name = std::string(protocol.name), .text = std::string(protocol.text)};
     }
   }
