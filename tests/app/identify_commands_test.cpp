@@ -73,7 +73,8 @@ TEST_F(IdentifyCommands, ChooseTheNextPart) {
   EXPECT_EQ(next.at("next"), next.at("gains")[0].at("name"));
   EXPECT_TRUE(std::filesystem::exists(in("second.csv")));
   EXPECT_EQ(runHaptolith("identify next " + measured + " --out " + in("second.csv")).exit_status, 1) << "it is there";
-  const ProgramResult enough = runHaptolith("identify next " + measured + " --wanted 60,3000,60 --out " + in("no.csv"));
+  const ProgramResult enough =
+      runHaptolith("identify next " + measured + " --target-width 60,3000,60 --out " + in("no.csv"));
   EXPECT_THAT(enough.output, HasSubstr("no other part is needed"));
   EXPECT_FALSE(std::filesystem::exists(in("no.csv")));
 }

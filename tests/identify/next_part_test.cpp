@@ -131,7 +131,7 @@ TEST(PartsCheck, MeasuresEachPartOnce) {
   }
 }
 
-// docs/reports/identification.md has the same of all the soils: `haptolith identify next --check`.
+// docs/reports/identification.md has the same of all the soils: `haptolith identify next --evaluate`.
 TEST(PartsCheck, GainTellsSoonerAndIntervalsComeAsExpected) {
   constexpr std::size_t kEvery = 3;
   const PartsCheck check(probeTraining(), kEvery);

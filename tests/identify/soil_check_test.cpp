@@ -10,7 +10,7 @@
 namespace haptolith {
 namespace {
 
-// Soils that the training has not seen, each sheared, some with a stone in the way: `haptolith identify check`.
+// Soils that the training has not seen, each sheared, some with a stone in the way: `haptolith identify evaluate`.
 TEST(SoilCheck, HiddenSoilsAreTold) {
   const Training hidden = readTraining(sourceDir() / "tests/data/identify-hidden.json");
   const SoilCheck check(probeTraining(), hidden);

@@ -28,7 +28,7 @@ void addIdentifyCommand(CLI::App& app) {
   addIdentifyNext(*identify);
   addIdentifyDensity(*identify);
   addIdentifyTrain(*identify);
-  addIdentifyCheck(*identify);
+  addIdentifyEvaluate(*identify);
 }
 
 }  // namespace haptolith

@@ -11,6 +11,6 @@ void addIdentifySoil(CLI::App& identify);
 void addIdentifyNext(CLI::App& identify);
 void addIdentifyDensity(CLI::App& identify);
 void addIdentifyTrain(CLI::App& identify);
-void addIdentifyCheck(CLI::App& identify);
+void addIdentifyEvaluate(CLI::App& identify);
 
 }  // namespace haptolith

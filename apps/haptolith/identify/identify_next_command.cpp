@@ -32,25 +32,25 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kIdentifyNextExamples = R"(Examples:
   haptolith identify next --out first.csv                          choose the first part
   haptolith identify next measured.csv --out second.csv            choose the part after that
-  haptolith identify next first.csv second.csv --wanted 10,400,14
+  haptolith identify next first.csv second.csv --target-width 10,400,14
 
 Method and results: docs/reports/identification.md)";
 
 struct NextOptions {
   MeasuredOptions measured;
   std::string out_file;
-  std::vector<double> wanted;
+  std::vector<double> target_width;
   Overwrite overwrite;
-  bool json = false, check = false;
+  bool json = false, evaluate = false;
 };
 
-/// Returns the wanted widths as on the Moon. Cohesion scales with gravity: the same effect on Earth takes about six
+/// Returns the target widths as on the Moon. Cohesion scales with gravity: the same effect on Earth takes about six
 /// times as much.
-SoilWidths wantedBy(const NextOptions& options, double gravity_m_s2) {
-  if (options.wanted.empty()) {
+SoilWidths targetWidths(const NextOptions& options, double gravity_m_s2) {
+  if (options.target_width.empty()) {
     return {12, 400 * gravity_m_s2 / findBody("Moon").gravity_m_s2, 15};
   }
-  return {options.wanted[0], options.wanted[1], options.wanted[2]};
+  return {options.target_width[0], options.target_width[1], options.target_width[2]};
 }
 
 std::string widthsText(const SoilWidths& widths) {
@@ -65,8 +65,8 @@ Json widthsJson(const SoilWidths& widths) {
 }
 
 std::string adviceText(const std::vector<PartGain>& gains, const std::optional<PartGain>& next,
-                       const std::vector<MovementPart>& parts, const SoilWidths& now, const SoilWidths& wanted) {
-  if (isNarrow(now, wanted)) {
+                       const std::vector<MovementPart>& parts, const SoilWidths& now, const SoilWidths& target) {
+  if (isNarrow(now, target)) {
     return "All intervals are within their targets: no other part is needed.\n";
   }
   if (gains.empty()) {
@@ -85,19 +85,19 @@ void tellNext(const NextOptions& options) {
   }
   const Measured measured = measuredBy(options.measured);
   const SoilIdentifier& identifier = measured.identifier;
-  const SoilWidths wanted = wantedBy(options, measured.gravity_m_s2);
+  const SoilWidths target = targetWidths(options, measured.gravity_m_s2);
   const SoilWidths now =
       widthsOf(beliefOf(measured.matched.forces, identifier.emulator(), identifier.temper(), measured.gravity_m_s2));
   const std::vector<PartGain> gains = expectedGains(measured.parts, identifier.emulator(), identifier.temper(),
                                                     measured.matched.forces, measured.gravity_m_s2);
-  const std::optional<PartGain> next = nextPart(gains, now, wanted);
+  const std::optional<PartGain> next = nextPart(gains, now, target);
   if (next && !options.out_file.empty()) {
     writePoses(options.overwrite(options.out_file), measured.parts[next->part].movement, options.measured.originM());
   }
   if (options.json) {
     Json json = measured.json(options.measured);
     json["widths"] = widthsJson(now);
-    json["wanted"] = widthsJson(wanted);
+    json["target_widths"] = widthsJson(target);
     json["gains"] = Json::array();
     for (const PartGain& gain : gains) {
       json["gains"].push_back({{"name", measured.parts[gain.part].name},
@@ -112,14 +112,14 @@ void tellNext(const NextOptions& options) {
   std::string text = "identify next: " + measured.text(options.measured) +
                      fmt::format("\n  {:38} {:>15}  {:>11}  {:>18}\n", "width of the 90 % interval", "friction angle",
                                  "cohesion", "soil-tool friction") +
-                     fmt::format("  {:38} ", "now") + widthsText(now) + fmt::format("  {:38} ", "wanted") +
-                     widthsText(wanted);
+                     fmt::format("  {:38} ", "now") + widthsText(now) + fmt::format("  {:38} ", "target") +
+                     widthsText(target);
   for (const PartGain& gain : gains) {
     const MovementPart& part = measured.parts[gain.part];
     text +=
         fmt::format("  expected after {:19} {:3.1f} s ", part.name, part.movement.duration()) + widthsText(gain.widths);
   }
-  printText(text + "\n" + adviceText(gains, next, measured.parts, now, wanted));
+  printText(text + "\n" + adviceText(gains, next, measured.parts, now, target));
   printNotice(savedText());
 }
 
@@ -128,10 +128,10 @@ void tellNext(const NextOptions& options) {
 constexpr std::array kOrders{std::pair{PartOrder::kByGain, "by gain"}, std::pair{PartOrder::kAsLearned, "as learned"},
                              std::pair{PartOrder::kAtRandom, "at random"}};
 
-/// Wanted widths, from wide to narrow.
-constexpr std::array kWanted{SoilWidths{16, 600, 20}, SoilWidths{14, 500, 16}, SoilWidths{12, 400, 14}};
+/// Target widths, from wide to narrow.
+constexpr std::array kTargets{SoilWidths{16, 600, 20}, SoilWidths{14, 500, 16}, SoilWidths{12, 400, 14}};
 
-void checkOrders(const NextOptions& options) {
+void evaluateOrders(const NextOptions& options) {
   const std::optional<Training> read = options.measured.training_file.empty()
                                            ? std::nullopt
                                            : std::optional(readTraining(options.measured.training_file));
@@ -154,12 +154,12 @@ void checkOrders(const NextOptions& options) {
                                      {"over_expected", widthsJson(row.over_expected)},
                                      {"within_a_quarter", row.within_quarter}});
     }
-    for (const SoilWidths& wanted : kWanted) {
-      const TimeUntil until = timeUntil(courses, wanted, check.duration());
+    for (const SoilWidths& target : kTargets) {
+      const TimeUntil until = timeUntil(courses, target, check.duration());
       text += fmt::format("  until {:2.0f}°, {:3.0f} Pa, {:2.0f}°: {:5.1f} s in the mean, {} soils\n",
-                          wanted.friction_angle_deg, wanted.cohesion_pa, wanted.tool_friction_angle_deg, until.mean_s,
+                          target.friction_angle_deg, target.cohesion_pa, target.tool_friction_angle_deg, until.mean_s,
                           until.soils);
-      json[name]["until"].push_back({{"widths", widthsJson(wanted)}, {"mean_s", until.mean_s}, {"soils", until.soils}});
+      json[name]["until"].push_back({{"widths", widthsJson(target)}, {"mean_s", until.mean_s}, {"soils", until.soils}});
     }
   }
   if (options.json) {
@@ -179,7 +179,7 @@ void addIdentifyNext(CLI::App& identify) {
   command->add_option("--out", options->out_file, "Write the trajectory of the tool, one pose per millisecond")
       ->option_text("FILE.csv");
   command
-      ->add_option("--wanted", options->wanted,
+      ->add_option("--target-width", options->target_width,
                    "Target widths of the 90 % intervals of friction angle (degrees), cohesion (Pa) and soil-tool "
                    "friction (degrees)")
       ->option_text("DEG,PA,DEG [12,400,15 on the Moon]")
@@ -187,11 +187,11 @@ void addIdentifyNext(CLI::App& identify) {
       ->expected(3)
       ->check(numberIn({0, 1e6}));
   command->add_flag(
-      "--check", options->check,
+      "--evaluate", options->evaluate,
       "Report instead how quickly each training soil is identified (leave-one-out), by order of the parts");
   options->overwrite.addTo(*command);
   addJson(*command, options->json);
-  command->callback([options] { options->check ? checkOrders(*options) : tellNext(*options); });
+  command->callback([options] { options->evaluate ? evaluateOrders(*options) : tellNext(*options); });
 }
 
 }  // namespace haptolith

@@ -22,13 +22,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kIdentifyCheckExamples = R"(Examples:
-  haptolith identify check --out hidden.json               50 soils: one hour on two cores
-  haptolith identify check --out hidden.json --resume      continue, or print the result again
+constexpr const char* kIdentifyEvaluateExamples = R"(Examples:
+  haptolith identify evaluate --out hidden.json            50 soils: one hour on two cores
+  haptolith identify evaluate --out hidden.json --resume   continue, or print the result again
 
 Results of the built-in training: docs/reports/identification.md)";
 
-struct CheckOptions {
+struct EvaluateOptions {
   SoilsOptions soils;
   std::string training_file, figure_file;
   bool json = false;
@@ -47,7 +47,7 @@ std::string rowText(const CheckedSoil& row) {
                      belief.misfit > kStrange ? "out of distribution" : "", row.has_stone ? " stone" : "");
 }
 
-void check(const CheckOptions& options) {
+void evaluate(const EvaluateOptions& options) {
   const std::optional<Training> read =
       options.training_file.empty() ? std::nullopt : std::optional(readTraining(options.training_file));
   const Training& training = read ? *read : probeTraining();
@@ -93,11 +93,11 @@ void check(const CheckOptions& options) {
 
 }  // namespace
 
-void addIdentifyCheck(CLI::App& identify) {
-  auto options = std::make_shared<CheckOptions>();
-  CLI::App* command =
-      identify.add_subcommand("check", "Evaluate the estimates with soils outside the training, against a shear test");
-  command->footer(kIdentifyCheckExamples);
+void addIdentifyEvaluate(CLI::App& identify) {
+  auto options = std::make_shared<EvaluateOptions>();
+  CLI::App* command = identify.add_subcommand(
+      "evaluate", "Evaluate the estimates with soils outside the training, against a shear test");
+  command->footer(kIdentifyEvaluateExamples);
   command->add_option("--out", options->soils.out_file, "File for the forces of these soils on the tool")
       ->option_text("FILE.json")
       ->required();
@@ -106,7 +106,7 @@ void addIdentifyCheck(CLI::App& identify) {
   command->add_option("--figure", options->figure_file, "Draw estimates over true values (.svg or .png)")
       ->option_text("FILE");
   addJson(*command, options->json);
-  command->callback([options] { check(*options); });
+  command->callback([options] { evaluate(*options); });
 }
 
 }  // namespace haptolith
