@@ -38,6 +38,9 @@ void addDoctorCommand(CLI::App& app);
 /// Adds `completion bash|zsh|fish`: prints a script generated from the commands and options of `app`.
 void addCompletionCommand(CLI::App& app);
 
+/// Adds `soil calibrate` to the commands of addSoilCommands().
+void addSoilCalibrateCommand(CLI::App& soil);
+
 // Subcommands of `haptolith lab`.
 void addCollect(CLI::App& lab);
 void addReport(CLI::App& lab);

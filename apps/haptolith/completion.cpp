@@ -35,7 +35,7 @@ struct Argument {
 
 /// Command of the tree; the root is the program.
 struct Command {
-  std::string path;  ///< "haptolith soil profile"
+  std::string path;  ///< "haptolith soil icra2021 list"
   std::string description;
   std::vector<Command> subcommands;
   std::vector<Argument> arguments;
@@ -146,7 +146,7 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
-/// Returns 'haptolith soil'|'haptolith soil profile'|...: every path except the program's.
+/// Returns 'haptolith soil'|'haptolith soil list'|...: every path except the program's.
 std::string pathPattern(const Command& root) {
   Words paths;
   forEach(root, [&](const Command& command) {

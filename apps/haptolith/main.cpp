@@ -40,7 +40,7 @@ constexpr const char* kProgramExamples = R"(Examples:
   haptolith run paper                    run the scene of the ICRA 2021 paper
   haptolith run scenes/rain.toml         run a scene from a file (docs/reference/scenes.md)
   haptolith snapshot --out view.png      save a picture of a scene, without a display
-  haptolith soil profile --preset P3     print density and strength over depth
+  haptolith soil list                    list the built-in soils and their measured properties
   haptolith lab shear --soil dry-sand    simulate a direct shear test
   haptolith doctor                       check whether this machine runs the loop in real time
   source <(haptolith completion bash)    complete commands with the tab key
@@ -106,7 +106,7 @@ const CLI::App& reachedBy(const CLI::App& app) {
   return *at;
 }
 
-/// Returns its path, for example "haptolith soil profile".
+/// Returns its path, for example "haptolith soil list".
 std::string commandPath(const CLI::App& reached) {
   const CLI::App* above = reached.get_parent();
   return above == nullptr ? "haptolith" : commandPath(*above) + " " + reached.get_name();

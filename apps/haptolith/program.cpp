@@ -9,8 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "haptolith/core/error.h"
@@ -26,16 +28,15 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CommandElsewhere {
-  std::string_view name, description;
+  std::string_view name;  ///< "soil calibrate": a subcommand of a command that is here
+  std::string_view description;
 };
 
-constexpr std::array kElsewhere{CommandElsewhere{"lab", kLabDescription},
-                                CommandElsewhere{"study", kStudyDescription},
-                                CommandElsewhere{"identify", kIdentifyDescription},
-                                CommandElsewhere{"teleop", kTeleopDescription},
-                                CommandElsewhere{"ros2", kRos2Description},
-                                CommandElsewhere{"bench", kBenchDescription},
-                                CommandElsewhere{"completion", kCompletionDescription}};
+constexpr std::array kElsewhere{
+    CommandElsewhere{"lab", kLabDescription},       CommandElsewhere{"soil calibrate", kSoilCalibrateDescription},
+    CommandElsewhere{"study", kStudyDescription},   CommandElsewhere{"identify", kIdentifyDescription},
+    CommandElsewhere{"teleop", kTeleopDescription}, CommandElsewhere{"ros2", kRos2Description},
+    CommandElsewhere{"bench", kBenchDescription},   CommandElsewhere{"completion", kCompletionDescription}};
 
 /// Folder of the installed workbench, relative to that of this program.
 constexpr const char* kInstalled = HAPTOLITH_WORKBENCH_FROM_PROGRAM;
@@ -79,21 +80,35 @@ fs::path workbench(std::string_view command) {
   return program.parent_path() / kName;
 }
 
+/// Whether the command line begins with the words of the command.
+bool isAsked(const CommandElsewhere& command, int argc, char** argv) {
+  std::string words;
+  for (int i = 1; i < argc; ++i) {
+    words += argv[i];
+    words += ' ';
+  }
+  return words.starts_with(std::string(command.name) + ' ');
+}
+
 }  // namespace
 
 void addCommands(CLI::App& app) {
   addProgramCommands(app);
   for (const CommandElsewhere& command : kElsewhere) {
-    app.add_subcommand(std::string(command.name), std::string(command.description));
+    const std::size_t space = command.name.find(' ');
+    const bool is_below = space != std::string_view::npos;
+    CLI::App& above = is_below ? *app.get_subcommand(std::string(command.name.substr(0, space))) : app;
+    above.add_subcommand(std::string(command.name.substr(is_below ? space + 1 : 0)), std::string(command.description));
   }
 }
 
 void runWhatIsElsewhere(int argc, char** argv) {
-  const auto is_asked = [&](const CommandElsewhere& command) { return argc > 1 && command.name == argv[1]; };
-  if (std::none_of(kElsewhere.begin(), kElsewhere.end(), is_asked)) {
+  const auto* asked =
+      std::ranges::find_if(kElsewhere, [&](const CommandElsewhere& command) { return isAsked(command, argc, argv); });
+  if (asked == kElsewhere.end()) {
     return;
   }
-  const fs::path file = workbench(argv[1]);
+  const fs::path file = workbench(asked->name);
   execv(file.c_str(), argv);
   throw Failure(fmt::format("cannot start {}: {}", file.string(), std::strerror(errno)));
 }

@@ -1,11 +1,14 @@
 // `haptolith-workbench`: every command of the program, including those for laboratory, studies and robots.
 
+#include <CLI/App.hpp>
+
 #include "commands.h"
 
 namespace haptolith {
 
 void addCommands(CLI::App& app) {
   addProgramCommands(app);
+  addSoilCalibrateCommand(*app.get_subcommand("soil"));
   addLabCommand(app);
   addStudyCommand(app);
   addIdentifyCommand(app);

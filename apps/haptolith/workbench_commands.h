@@ -2,9 +2,11 @@
 
 namespace haptolith {
 
-// Descriptions of the commands of `haptolith-workbench`, also listed by `haptolith --help`.
+// Descriptions of the commands of `haptolith-workbench`, also listed by the help of `haptolith`.
 
 inline constexpr const char* kLabDescription = "Simulate soil-mechanics tests of the particle bed";
+inline constexpr const char* kSoilCalibrateDescription =
+    "Calibrate particles to a friction angle, cohesion and bulk density";
 inline constexpr const char* kStudyDescription = "Run user studies: from the protocol to the psychometric curve";
 inline constexpr const char* kIdentifyDescription = "Estimate friction, cohesion and density of soil from tool forces";
 inline constexpr const char* kTeleopDescription = "Teleoperate: delayed links, a simulated robot, an operator station";

@@ -46,7 +46,8 @@ TEST(Help, NamesTheCommandItBelongsTo) {
 }
 
 TEST(Help, ShowsExamplesOfTheCommandAndNotOfTheProgram) {
-  for (const std::string command : {"teleop", "teleop profiles", "soil", "soil list", "lab", "study", "identify"}) {
+  for (const std::string command :
+       {"teleop", "teleop profiles", "soil", "soil list", "soil icra2021", "lab", "study", "identify"}) {
     const std::string help = runHaptolith(command + " --help").output;
     EXPECT_THAT(help, HasSubstr("  haptolith " + command)) << command;
     EXPECT_THAT(help, Not(HasSubstr("haptolith completion bash"))) << command;
@@ -92,10 +93,10 @@ TEST(Help, SaysWhatToWriteAndWhatIsTakenOtherwise) {
   EXPECT_THAT(runHaptolith("lab shear --help").output,
               HasSubstr("Number of threads; the result does not depend on it, 1 to 256 [all]\n"));
   EXPECT_THAT(runHaptolith("snapshot --help").output, HasSubstr("or with --film .mp4 or .webm; required\n"));
-  EXPECT_THAT(runHaptolith("soil profile --help").output,
+  EXPECT_THAT(runHaptolith("soil icra2021 profile --help").output,
               HasSubstr("Gravity in m/s², instead of a body; not with --body\n"));
   for (const char* command :
-       {"run", "bench", "lab shear", "lab calibrate", "soil profile", "study fit", "completion"}) {
+       {"run", "bench", "lab shear", "soil calibrate", "soil icra2021 profile", "study fit", "completion"}) {
     const std::string help = runHaptolith(fmt::format("{} --help", command)).output;
     for (const char* of_the_parser : {"ENUM", "FLOAT", "INT", "Excludes:", "REQUIRED", ":{"}) {
       EXPECT_THAT(help, Not(HasSubstr(of_the_parser))) << command;
@@ -172,7 +173,8 @@ void expectPlainHelp(const std::string& command, std::set<std::string>& checked)
 TEST(Help, IsPlainAndAtMost100ColumnsWideInEveryCommand) {
   std::set<std::string> checked;
   expectPlainHelp("", checked);
-  EXPECT_THAT(checked, testing::IsSupersetOf({"run", "lab shear", "study run", "teleop bench", "version"}));
+  EXPECT_THAT(checked, testing::IsSupersetOf(
+                           {"run", "lab shear", "soil icra2021 list", "study run", "teleop bench", "version"}));
 }
 
 TEST(Help, GroupsTheCommandsAndTheOptionsOfLongCommands) {
@@ -212,7 +214,7 @@ TEST(Usage, TheWordsOfACommandAreSuggestedToo) {
   EXPECT_THAT(runHaptolith("lab").errors, StartsWith("haptolith: error: a command is missing: must be "));
   EXPECT_THAT(runHaptolith("run paper --duration 3").errors,
               StartsWith("haptolith: error: unknown option '--duration'; did you mean --duration-s?\n"));
-  EXPECT_THAT(runHaptolith("soil profile --gravity 3").errors, HasSubstr("did you mean --gravity-m-s2?"));
+  EXPECT_THAT(runHaptolith("soil icra2021 profile --gravity 3").errors, HasSubstr("did you mean --gravity-m-s2?"));
   EXPECT_THAT(runHaptolith("devices now").errors, StartsWith("haptolith: error: unexpected argument 'now'\n"));
 }
 
@@ -392,8 +394,10 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
   EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
   EXPECT_EQ(bashOffers("run --friction c"), "contact\n");
-  EXPECT_EQ(bashOffers("soil prof"), "profile\n");
-  EXPECT_EQ(bashOffers("soil cal"), "calibrate-paper\n");
+  EXPECT_EQ(bashOffers("soil cal"), "calibrate\n");
+  EXPECT_EQ(bashOffers("soil icra"), "icra2021\n");
+  EXPECT_EQ(bashOffers("soil icra2021 p"), "profile\n");
+  EXPECT_EQ(bashOffers("soil icra2021 profile --preset P3 --body E"), "Europa Earth\n");
   EXPECT_EQ(bashOffers("bench --friction c"), "contact\n");
   EXPECT_EQ(bashOffers("lab plate --preparation l"), "loose\n");
   EXPECT_EQ(bashOffers("run sand"), "sandbox\n");

@@ -140,7 +140,7 @@ void printBands(const std::vector<Band>& bands) {
   }
 }
 
-// --- haptolith soil profile ------------------------------------------------------------------------------------------
+// --- haptolith soil icra2021 profile ---------------------------------------------------------------------------------
 
 struct ProfileOptions {
   std::optional<std::string> preset, soil;
@@ -191,7 +191,7 @@ SoilParameters soilOf(const ProfileOptions& options) {
   return soil;
 }
 
-/// Content of the output of `soil profile`.
+/// Content of the output of `soil icra2021 profile`.
 struct Profile {
   SoilParameters soil;
   std::string preset;
@@ -288,10 +288,10 @@ void runProfile(ProfileOptions options) {
   }
 }
 
-void addProfile(CLI::App& soil) {
+void addProfile(CLI::App& icra2021) {
   auto options = std::make_shared<ProfileOptions>();
   CLI::App* command =
-      soil.add_subcommand("profile", "Print density over depth, cohesion and friction of a soil at rest");
+      icra2021.add_subcommand("profile", "Print density over depth, cohesion and friction of a soil at rest");
   CLI::Option* preset = command->add_option("--preset", options->preset, "Soil of the ICRA 2021 paper, P1 to P6");
   const std::vector<CLI::Option*> custom{
       command->add_option("--gamma-nm", options->gamma_nm, "Parameter gamma of the contact law in N m"),
@@ -309,12 +309,14 @@ void addProfile(CLI::App& soil) {
   options->overwrite.addTo(*command);
   addJson(*command, options->json);
   command->footer(
-      "Examples:\n  haptolith soil profile --preset P3\n  haptolith soil profile --preset P3 --body Mars --figure "
-      "p3-on-mars.svg\n  haptolith soil profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342");
+      "Examples:\n"
+      "  haptolith soil icra2021 profile --preset P3\n"
+      "  haptolith soil icra2021 profile --preset P3 --body Mars --figure p3-on-mars.svg\n"
+      "  haptolith soil icra2021 profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342");
   command->callback([options] { runProfile(*options); });
 }
 
-// --- haptolith soil calibrate-paper ----------------------------------------------------------------------------------
+// --- haptolith soil icra2021 calibrate -------------------------------------------------------------------------------
 
 struct CalibrateOptions {
   double friction_coefficient = 0;
@@ -358,9 +360,9 @@ void runCalibrate(const CalibrateOptions& options) {
   }
 }
 
-void addCalibratePaper(CLI::App& soil) {
-  CLI::App* command = soil.add_subcommand(
-      "calibrate-paper", "Calibrate the ICRA 2021 friction model to a friction coefficient and cohesion");
+void addCalibrate(CLI::App& icra2021) {
+  CLI::App* command = icra2021.add_subcommand(
+      "calibrate", "Calibrate the ICRA 2021 friction model to a friction coefficient and cohesion");
   auto options = std::make_shared<CalibrateOptions>();
   command->add_option("--friction-coefficient", options->friction_coefficient, "Tangent of the friction angle, 0 to 2")
       ->required();
@@ -368,19 +370,14 @@ void addCalibratePaper(CLI::App& soil) {
   options->conditions.addOptions(*command, "Radius of a particle in mm, 0.5 to 20");
   addJson(*command, options->json);
   command->footer(
-      "Examples:\n  haptolith soil calibrate-paper --friction-coefficient 0.9 --cohesion-pa 970\n  haptolith soil "
-      "calibrate-paper --friction-coefficient 0.7 --cohesion-pa 500 --body Mars\nFor measured soil, use haptolith lab "
-      "calibrate.");
+      "Examples:\n"
+      "  haptolith soil icra2021 calibrate --friction-coefficient 0.9 --cohesion-pa 970\n"
+      "  haptolith soil icra2021 calibrate --friction-coefficient 0.7 --cohesion-pa 500 --body Mars\n"
+      "For measured soil, use haptolith soil calibrate.");
   command->callback([options] { runCalibrate(*options); });
-  CLI::App* calibrate = soil.add_subcommand("calibrate")->group("")->allow_extras();  // hidden in help and completion
-  calibrate->callback([] {
-    throw CLI::ValidationError("soil calibrate",
-                               "use 'haptolith lab calibrate' for measured soil, or 'haptolith soil calibrate-paper' "
-                               "for the ICRA 2021 friction model");
-  });
 }
 
-// --- haptolith soil presets ------------------------------------------------------------------------------------------
+// --- haptolith soil icra2021 list ------------------------------------------------------------------------------------
 
 void printPresetsJson() {
   Json rows = Json::array();
@@ -411,24 +408,29 @@ void printPresetsText() {
   }
 }
 
-void addPresets(CLI::App& soil) {
+void addPresets(CLI::App& icra2021) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* command = soil.add_subcommand("presets", "List the six soils P1 to P6 of the ICRA 2021 paper");
+  CLI::App* command = icra2021.add_subcommand("list", "List the six soils P1 to P6 of the ICRA 2021 paper");
   addJson(*command, *json);
-  command->footer("Example:\n  haptolith soil presets");
+  command->footer("Example:\n  haptolith soil icra2021 list");
   command->callback([json] { *json ? printPresetsJson() : printPresetsText(); });
 }
 
 }  // namespace
 
 void addSoilCommands(CLI::App& app) {
-  CLI::App* soil = app.add_subcommand("soil", "Show soils and their density, cohesion and friction");
+  constexpr const char* kMore = "Run a command with --help for its options.";
+  CLI::App* soil = app.add_subcommand("soil", "List, show and calibrate soils");
   soil->require_subcommand(1);
-  soil->footer("Example:\n  haptolith soil profile --preset P3\nRun a command with --help for its options.");
-  addProfile(*soil);
-  addCalibratePaper(*soil);
-  addPresets(*soil);
+  soil->footer(
+      fmt::format("Examples:\n  haptolith soil list\n  haptolith soil icra2021 profile --preset P3\n{}", kMore));
   addNamedSoilCommands(*soil);
+  CLI::App* icra2021 = soil->add_subcommand("icra2021", "Soils and friction of the ICRA 2021 paper");
+  icra2021->require_subcommand(1);
+  icra2021->footer(fmt::format("Example:\n  haptolith soil icra2021 profile --preset P3\n{}", kMore));
+  addPresets(*icra2021);
+  addProfile(*icra2021);
+  addCalibrate(*icra2021);
 }
 
 }  // namespace haptolith

@@ -121,7 +121,7 @@ std::string textOf(const SoilFile& file) {
       "# Calibrated parameters of the particles.\n[soil]\n{}",
       linesOf("", file), linesOf("target", file), soilLines(file.soil));
   if (file.reached) {
-    text += fmt::format("\n# Simulated properties after `haptolith lab calibrate`.\n[reached]\n{}",
+    text += fmt::format("\n# Simulated properties after `haptolith soil calibrate`.\n[reached]\n{}",
                         linesOf("reached", file));
   }
   return text;
