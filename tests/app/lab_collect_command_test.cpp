@@ -58,13 +58,13 @@ class LabCollect : public testing::Test {
   fs::path folder_ = fs::temp_directory_path() / ("haptolith_collect_" + std::to_string(getpid()));
 };
 
-constexpr const char* kCarry = "carry --soil dry-sand --particles 60";
+constexpr const char* kPayload = "payload --soil dry-sand --particles 60";
 
 TEST_F(LabCollect, GivesWhatOneRunOverTheSameSeedsGives) {
-  const std::string files = measured(3, kCarry) + " " + measured(1, kCarry) + " " + measured(2, kCarry);
+  const std::string files = measured(3, kPayload) + " " + measured(1, kPayload) + " " + measured(2, kPayload);
   for (const char* form : {"", " --json"}) {
     const ProgramResult apart = runHaptolith("lab collect " + files + form);
-    const ProgramResult at_once = runHaptolith(std::string("lab ") + kCarry + " --seeds 3" + form);
+    const ProgramResult at_once = runHaptolith(std::string("lab ") + kPayload + " --seeds 3" + form);
     ASSERT_EQ(apart.exit_status, 0) << apart.errors;
     ASSERT_EQ(at_once.exit_status, 0) << at_once.errors;
     EXPECT_EQ(apart.output, at_once.output);
@@ -72,14 +72,14 @@ TEST_F(LabCollect, GivesWhatOneRunOverTheSameSeedsGives) {
 }
 
 TEST_F(LabCollect, TellsMeanAndScatterOfEachNumber) {
-  const std::string files = measured(1, kCarry) + " " + measured(2, kCarry);
+  const std::string files = measured(1, kPayload) + " " + measured(2, kPayload);
   const double a = read(1).at("shake_ratio"), b = read(2).at("shake_ratio");
   ASSERT_NE(a, b);
   const fs::path table = folder_ / "all.csv";
   const ProgramResult result = runHaptolith("lab collect --json " + files + " --out " + table.string());
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json answer = json::parse(result.output);
-  EXPECT_EQ(answer.at("test"), "carry");
+  EXPECT_EQ(answer.at("test"), "payload");
   EXPECT_EQ(answer.at("options"), json({{"particles", "60"}}));
   EXPECT_EQ(answer.at("seeds"), json({1, 2}));
   EXPECT_EQ(answer.at("specimens"), 2);
@@ -101,7 +101,7 @@ TEST_F(LabCollect, TellsMeanAndScatterOfEachNumber) {
 }
 
 TEST_F(LabCollect, PutsCalibrationsTogether) {
-  // Output of `lab calibrate --specimens 2 --json` for another seed; a calibration takes minutes.
+  // Output of `soil calibrate --specimens 2 --json` for another seed; a calibration takes minutes.
   const json printed = json::parse(R"({"test": "calibrate", "soil": "32°, 0 Pa, 1500 kg/m³", "friction": "contact",
     "body": "Moon", "gravity_m_s2": 1.625, "radius_mm": 7.0, "stiffness_n_m": 3000.0, "seed": 1,
     "friction_angle_deg": 32.4, "friction_angle_sd_deg": 0.6, "cohesion_pa": 12.0, "cohesion_sd_pa": 9.0,
@@ -131,13 +131,13 @@ TEST_F(LabCollect, PutsCalibrationsTogether) {
   EXPECT_NEAR(answer.at("findings").at(0).at("mean"), 34.5, 1e-12);
   EXPECT_EQ(answer.at("findings").at(0).at("passes"), false);
   EXPECT_THAT(runHaptolith("lab collect " + files).output,
-              HasSubstr("lab calibrate: 32°, 0 Pa, 1500 kg/m³, contact friction, Moon, particles of R = 7 mm; 2"));
+              HasSubstr("soil calibrate: 32°, 0 Pa, 1500 kg/m³, contact friction, Moon, particles of R = 7 mm; 2"));
   expectRefused(files + " " + calibration(3, 0.25, 33, 33),
                 HasSubstr("target/friction_angle_deg is 32.0 there and 33.0 here"));
 }
 
 TEST_F(LabCollect, SpecimensWithoutANumberAreToldAndNotMixedIn) {
-  const std::string first = measured(1, kCarry);
+  const std::string first = measured(1, kPayload);
   const std::string none = changed(1, [](json& specimen) {
     specimen["seed"] = 2;
     specimen["weight_ratio"] = nullptr;
@@ -155,7 +155,7 @@ TEST_F(LabCollect, SpecimensWithoutANumberAreToldAndNotMixedIn) {
 }
 
 TEST_F(LabCollect, CurvesOfOtherLengthsHaveNothingInCommon) {
-  const std::string first = measured(1, kCarry);
+  const std::string first = measured(1, kPayload);
   const auto with_curve = [&](int seed, const json& curve, bool stands) {
     const std::string path = fileOf(10 + seed);
     json specimen = read(1);
@@ -177,12 +177,12 @@ TEST_F(LabCollect, CurvesOfOtherLengthsHaveNothingInCommon) {
 }
 
 TEST_F(LabCollect, RefusesWhatIsNotOneTest) {
-  const std::string first = measured(1, kCarry), second = measured(2, kCarry);
+  const std::string first = measured(1, kPayload), second = measured(2, kPayload);
   expectRefused(first + " " + first, HasSubstr("have the same seed 1"));
   const auto other = [&](const char* key, const json& value) {
     return first + " " + changed(2, [&](json& specimen) { specimen[key] = value; });
   };
-  expectRefused(other("test", "fall"), HasSubstr("test is \"carry\" there and \"fall\" here"));
+  expectRefused(other("test", "free-fall"), HasSubstr("test is \"payload\" there and \"free-fall\" here"));
   expectRefused(other("body", "Mars"), HasSubstr("changed.json is not of the same test as "));
   expectRefused(other("program", "haptolith 0.0.1"), HasSubstr("haptolith 0.0.1"));
   expectRefused(other("options", json({{"particles", "61"}})),
@@ -192,8 +192,19 @@ TEST_F(LabCollect, RefusesWhatIsNotOneTest) {
   expectRefused(other("another_number", 1), HasSubstr("changed.json has other results than "));
 }
 
+TEST_F(LabCollect, ReadsTheNameOfATestInAnEarlierVersion) {
+  const std::string first = measured(1, kPayload);
+  const std::string former = changed(1, [](json& specimen) {
+    specimen["seed"] = 2;
+    specimen["test"] = "carry";
+  });
+  const ProgramResult result = runHaptolith("lab collect --json " + former + " " + first);
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  EXPECT_EQ(json::parse(result.output).at("test"), "payload");
+}
+
 TEST_F(LabCollect, NamesTheFileThatIsCutOrForeign) {
-  const std::string first = measured(1, kCarry), second = measured(2, kCarry);
+  const std::string first = measured(1, kPayload), second = measured(2, kPayload);
   const auto file = [&](const std::string& content) {
     const std::string path = (folder_ / "bad.json").string();
     std::ofstream(path) << content;
@@ -216,10 +227,10 @@ TEST_F(LabCollect, NamesTheFileThatIsCutOrForeign) {
 }
 
 TEST_F(LabCollect, SeveralSeedsHaveNoFigureOfOne) {
-  const ProgramResult result = runHaptolith("lab fall --seeds 2 --figure " + (folder_ / "fall.svg").string());
+  const ProgramResult result = runHaptolith("lab free-fall --seeds 2 --figure " + (folder_ / "fall.svg").string());
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("left out with --seeds"));
-  EXPECT_EQ(runHaptolith("lab fall --seeds 0").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab free-fall --seeds 0").exit_status, 2);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ class LabReportCommand : public testing::Test {
   ~LabReportCommand() override { fs::remove_all(folder_); }
 
   [[nodiscard]] std::string reportIn(const std::string& name, const std::string& options = "") const {
-    return fmt::format("lab report --only fall --threads 1 --out {} {}", (folder_ / name).string(), options);
+    return fmt::format("lab report --only free-fall --threads 1 --out {} {}", (folder_ / name).string(), options);
   }
 
   /// A shell command that starts a report, waits until its first result is there, and then does `then` with it ($p).
@@ -44,7 +44,7 @@ class LabReportCommand : public testing::Test {
   }
 
   [[nodiscard]] fs::path firstResult(const std::string& name) const {
-    return folder_ / name / "results" / "fall-contact-1.json";
+    return folder_ / name / "results" / "free-fall-contact-1.json";
   }
   [[nodiscard]] std::string page(const std::string& name) const { return textOf(folder_ / name / "report.html"); }
 
@@ -54,15 +54,15 @@ class LabReportCommand : public testing::Test {
 TEST_F(LabReportCommand, IsTheSameAfterAnInterruptAsWithoutOne) {
   const ProgramResult whole = runHaptolith(reportIn("whole", "--seeds 2"));
   ASSERT_EQ(whole.exit_status, 0) << whole.errors;
-  EXPECT_THAT(whole.errors, ContainsRegex(R"(\[1/4\] fall, contact, seed 1: [^0-9]*1\.00000 \([0-9]+ s)"));
-  EXPECT_THAT(whole.errors, ContainsRegex(R"(\[4/4\] fall, paper, seed 2: .* \([0-9]+ s\))"));
+  EXPECT_THAT(whole.errors, ContainsRegex(R"(\[1/4\] free-fall, contact, seed 1: [^0-9]*1\.00000 \([0-9]+ s)"));
+  EXPECT_THAT(whole.errors, ContainsRegex(R"(\[4/4\] free-fall, paper, seed 2: .* \([0-9]+ s\))"));
   EXPECT_THAT(whole.output, AllOf(HasSubstr("saved " + (folder_ / "whole" / "report.html").string()),
                                   Not(HasSubstr(".json")), Not(HasSubstr(".png"))));
 
   const ProgramResult interrupted = runInShell(stopped("parts", "--seeds 2", "kill -INT $p"));
   EXPECT_EQ(interrupted.exit_status, 1);
   EXPECT_THAT(interrupted.errors, ContainsRegex("interrupted: [1-3] of 4 results are saved in .*parts; .*--resume"));
-  EXPECT_THAT(page("parts"), AllOf(HasSubstr("(unfinished)"), ContainsRegex("Missing: fall .*paper: seeds? .*2"),
+  EXPECT_THAT(page("parts"), AllOf(HasSubstr("(unfinished)"), ContainsRegex("Missing: free-fall .*paper: seeds? .*2"),
                                    HasSubstr("of 2 seeds so far)")));
   const std::string first = textOf(firstResult("parts"));
 
@@ -81,7 +81,7 @@ TEST_F(LabReportCommand, ResultsSurviveAKillAndOneProcessWorksAtATime) {
               fmt::format("kill -STOP $p; \"$HAPTOLITH\" {}; kill -KILL $p", reportIn("parts", "--resume"))));
   EXPECT_THAT(killed.errors, HasSubstr("another process writes the report in"));
   const json first = json::parse(textOf(firstResult("parts")));
-  EXPECT_EQ(first.at("test"), "fall");
+  EXPECT_EQ(first.at("test"), "free-fall");
   EXPECT_EQ(first.at("friction"), "contact");
   EXPECT_EQ(first.at("soil"), "lunar-0-15cm");
   EXPECT_NEAR(first.at("findings").at(0).at("number").get<double>(), 1, 1e-3);
@@ -91,7 +91,7 @@ TEST_F(LabReportCommand, ResultsSurviveAKillAndOneProcessWorksAtATime) {
   ASSERT_EQ(resumed.exit_status, 0) << resumed.errors;
   EXPECT_EQ(json::parse(textOf(firstResult("parts"))), first);
   EXPECT_THAT(page("parts"), AllOf(HasSubstr("1.00000 <span"), HasSubstr("Values are of one seed"),
-                                   HasSubstr("fall: lunar-0-15cm, contact friction, Moon, particles of R = 7 mm, "
+                                   HasSubstr("free-fall: lunar-0-15cm, contact friction, Moon, particles of R = 7 mm, "
                                              "seed 1</figcaption>")));
 }
 

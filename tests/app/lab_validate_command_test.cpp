@@ -43,17 +43,18 @@ class LabValidateCommand : public testing::Test {
 };
 
 const std::string kFall =
-    "[[claim]]\nid = 'fall'\ngroup = 'Newton'\nclaim = 'Falls with g'\nreference = 'Newton'\ntest = 'fall'\n"
+    "[[claim]]\nid = 'fall'\ngroup = 'Newton'\nclaim = 'Falls with g'\nreference = 'Newton'\ntest = 'free-fall'\n"
     "soil = 'dry-sand'\nours = '/acceleration_ratio'\n";
 
 TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing) {
-  const std::string file = claims(kFall + "expected = 1\nwithin = 0.01\n" +
-                                  "[[claim]]\nid = 'wrong'\ngroup = 'Newton'\nclaim = 'Falls with half of it'\n"
-                                  "test = 'fall'\nsoil = 'dry-sand'\nours = '/acceleration_ratio'\nexpected = 0.5\n"
-                                  "factor = 1.2\nnote = 'Galilei would not have it.'\n");
+  const std::string file =
+      claims(kFall + "expected = 1\nwithin = 0.01\n" +
+             "[[claim]]\nid = 'wrong'\ngroup = 'Newton'\nclaim = 'Falls with half of it'\n"
+             "test = 'free-fall'\nsoil = 'dry-sand'\nours = '/acceleration_ratio'\nexpected = 0.5\n"
+             "factor = 1.2\nnote = 'Galilei would not have it.'\n");
   const ProgramResult one = runHaptolith(validation("a", file + " --seeds 1"));
   ASSERT_EQ(one.exit_status, 0) << one.errors;
-  EXPECT_THAT(one.errors, ContainsRegex(R"(\[1/1\] fall, dry-sand, Earth, seed 1)")) << "one test for both claims";
+  EXPECT_THAT(one.errors, ContainsRegex(R"(\[1/1\] free-fall, dry-sand, Earth, seed 1)")) << "one test for both claims";
   EXPECT_THAT(page("a"),
               AllOf(HasSubstr("1.00 | 1.00 | ± 1 % | 1 | 🟢 holds |"), HasSubstr("2.00 | factor 1.2 | 1 | 🔴"),
                     HasSubstr("Galilei"), HasSubstr("(validation-newton.svg)")));
@@ -64,9 +65,18 @@ TEST_F(LabValidateCommand, SaysOfEachClaimHowItStandsAndGoesOnWithWhatIsMissing)
   EXPECT_THAT(refused.errors, HasSubstr("--resume"));
   const ProgramResult more = runHaptolith(validation("a", file + " --seeds 2 --resume"));
   ASSERT_EQ(more.exit_status, 0) << more.errors;
-  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2 results are already available"), HasSubstr("[2/2] fall"),
+  EXPECT_THAT(more.errors, AllOf(HasSubstr("1 of 2 results are already available"), HasSubstr("[2/2] free-fall"),
                                  Not(HasSubstr("seed 1"))));
   EXPECT_THAT(page("a"), HasSubstr("| 2 | 🟢 holds |"));
+}
+
+TEST_F(LabValidateCommand, AcceptsTheNameOfATestInAnEarlierVersion) {
+  std::string former = kFall;
+  former.replace(former.find("free-fall"), 9, "fall");
+  const ProgramResult run =
+      runHaptolith(validation("former", claims(former + "expected = 1\nwithin = 0.01\n") + " --seeds 1"));
+  ASSERT_EQ(run.exit_status, 0) << run.errors;
+  EXPECT_THAT(run.errors, AllOf(HasSubstr("fall is now free-fall; the old name works"), HasSubstr("[1/1] free-fall")));
 }
 
 TEST_F(LabValidateCommand, SaysWhichClaimPointsWhereNoNumberIs) {
@@ -91,7 +101,7 @@ TEST_F(LabValidateCommand, MeasuresOneConditionOverAnother) {
 TEST_F(LabValidateCommand, RunsClaimsAboutAnySoilWithAnother) {
   const ProgramResult run = runHaptolith(validation("soil", "--only newton-fall --soil toyoura --seeds 1"));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
-  EXPECT_THAT(run.errors, HasSubstr("fall, toyoura, Moon"));
+  EXPECT_THAT(run.errors, HasSubstr("free-fall, toyoura, Moon"));
   const ProgramResult none = runHaptolith(validation("soil2", "--only moon-srp --soil toyoura"));
   EXPECT_EQ(none.exit_status, 2);
   EXPECT_THAT(none.errors, HasSubstr("any_soil"));
@@ -107,7 +117,7 @@ TEST_F(LabValidateCommand, FindsSoilFilesBesideTheClaims) {
   text.replace(text.find("dry-sand"), 8, "mine.toml");
   const ProgramResult run = runHaptolith(validation("beside", claims(text) + " --seeds 1"));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
-  EXPECT_THAT(run.errors, HasSubstr("fall, mine, Earth"));
+  EXPECT_THAT(run.errors, HasSubstr("free-fall, mine, Earth"));
   EXPECT_THAT(page("beside"), HasSubstr("🟢"));
 
   fs::remove(folder_ / "mine.toml");

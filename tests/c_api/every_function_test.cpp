@@ -147,7 +147,7 @@ std::vector<Call> calls(Good& good) {
        [&](const Handles& h) {
          hapto_result* made = nullptr;
          const std::int32_t status =
-             hapto_lab_test("fall", h.soil, "fall_m = 0.02\nthreads = 1", nullptr, nullptr, &made);
+             hapto_lab_test("free-fall", h.soil, "fall_m = 0.02\nthreads = 1", nullptr, nullptr, &made);
          return status == HAPTO_OK ? hapto_result_destroy(made) : status;
        }},
       // The last ones: what they are given is no more.
@@ -293,7 +293,7 @@ TEST(EveryFunction, RefusesNullWhereThereMustBeSomething) {
   EXPECT_EQ(hapto_soil_calibrate("", nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
   hapto_result* result = nullptr;
   EXPECT_EQ(hapto_lab_test(nullptr, h.soil, nullptr, nullptr, nullptr, &result), HAPTO_NULL);
-  EXPECT_EQ(hapto_lab_test("fall", h.soil, nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_lab_test("free-fall", h.soil, nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_get(h.soil, "soil.radius_mm", nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_profile(h.soil, 1, 0.1, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_psychometric_fit(nullptr, 1, nullptr, &result), HAPTO_NULL);

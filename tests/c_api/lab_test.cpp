@@ -24,8 +24,8 @@ TEST(LibraryLab, AFallIsAFallWithTheSameNumbersAsTheCommands) {
   const SoilPtr soil = soilOf("lunar-0-15cm");
   hapto_result* made = nullptr;
   Told told;
-  expectOk(
-      hapto_lab_test("fall", soil.get(), "fall_m = 0.05\nbody = 'Mars'\nthreads = 1\nseed = 3\n", tell, &told, &made));
+  expectOk(hapto_lab_test("free-fall", soil.get(), "fall_m = 0.05\nbody = 'Mars'\nthreads = 1\nseed = 3\n", tell, &told,
+                          &made));
   const ResultPtr fall(made);
   double ratio = 0;
   expectOk(hapto_result_value(fall.get(), "acceleration_ratio", &ratio));
@@ -45,7 +45,7 @@ TEST(LibraryLab, OptionsOfOneCallAreNotThoseOfTheNext) {
   const SoilPtr soil = soilOf("dry-sand");
   const auto lastOf = [&](const char* options) {
     hapto_result* made = nullptr;
-    expectOk(hapto_lab_test("fall", soil.get(), options, nullptr, nullptr, &made));
+    expectOk(hapto_lab_test("free-fall", soil.get(), options, nullptr, nullptr, &made));
     const ResultPtr fall(made);
     hapto_array fallen{};
     fallen.size = sizeof fallen;
@@ -56,28 +56,37 @@ TEST(LibraryLab, OptionsOfOneCallAreNotThoseOfTheNext) {
   EXPECT_GT(lastOf(nullptr), 0.2);
 }
 
+TEST(LibraryLab, AcceptsTheNameOfATestInAnEarlierVersion) {
+  const SoilPtr soil = soilOf("dry-sand");
+  hapto_result* made = nullptr;
+  expectOk(hapto_lab_test("fall", soil.get(), "fall_m = 0.05", nullptr, nullptr, &made));
+  const ResultPtr fall(made);
+  double ratio = 0;
+  expectOk(hapto_result_value(fall.get(), "acceleration_ratio", &ratio));
+}
+
 TEST(LibraryLab, WrongOptionsSayWhatWouldBeRight) {
   const SoilPtr soil = soilOf("dry-sand");
   hapto_result* made = nullptr;
   const auto asked = [&](const char* test, const char* options) {
     return hapto_lab_test(test, soil.get(), options, nullptr, nullptr, &made);
   };
-  EXPECT_EQ(asked("fal", ""), HAPTO_INVALID_PARAMETER);
-  EXPECT_THAT(lastError().message, HasSubstr("did you mean fall?"));
-  EXPECT_EQ(asked("fall", "fall_n = 3"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fal", ""), HAPTO_INVALID_PARAMETER);
+  EXPECT_THAT(lastError().message, HasSubstr("did you mean free-fall?"));
+  EXPECT_EQ(asked("free-fall", "fall_n = 3"), HAPTO_INVALID_PARAMETER);
   EXPECT_STREQ(lastError().key, "fall_n");
   EXPECT_THAT(lastError().valid, HasSubstr("did you mean fall_m?"));
-  EXPECT_EQ(asked("fall", "fall_m = 'far'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fall", "fall_m = 'far'"), HAPTO_INVALID_PARAMETER);
   EXPECT_STREQ(lastError().valid, "a number");
-  EXPECT_EQ(asked("fall", "fall_m = 99"), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(asked("fall", "threads = 0"), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(asked("fall", "body = 'Vulcan'"), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(asked("fall", "friction = 'none'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fall", "fall_m = 99"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fall", "threads = 0"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fall", "body = 'Vulcan'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fall", "friction = 'none'"), HAPTO_INVALID_PARAMETER);
   EXPECT_STREQ(lastError().valid, "paper or contact");
-  EXPECT_EQ(asked("fall", "[fall]"), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(asked("fall", "= 3"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fall", "[fall]"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("free-fall", "= 3"), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(asked("shear", "normal_pa = [1, 'two']"), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(asked("grain", "no_graded = 1"), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(asked("grain-size", "no_graded = 1"), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(made, nullptr);
 }
 

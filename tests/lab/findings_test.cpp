@@ -116,7 +116,7 @@ TEST(Findings, StrengthIsJudgedWhereTheTargetSays) {
 }
 
 TEST(Findings, ACutStandsWithCohesionAndFallsWithout) {
-  CutResult stands;
+  VerticalCutResult stands;
   stands.height_kept = 0.9;
   EXPECT_EQ(verdictOf(findings(stands, 0.1, target(1500, 42, 520)).front()), Verdict::kPass);
   EXPECT_EQ(verdictOf(findings(stands, 0.1, target(1330, 29, 0)).front()), Verdict::kFail);
@@ -124,26 +124,26 @@ TEST(Findings, ACutStandsWithCohesionAndFallsWithout) {
 }
 
 TEST(Findings, NewtonAndBeverlooHoldForEverySoil) {
-  FallResult fall;
+  FreeFallResult fall;
   fall.acceleration_ratio = 0.9995;
   EXPECT_EQ(verdictOf(findings(fall).front()), Verdict::kPass);
   fall.acceleration_ratio = 0.998;
   EXPECT_EQ(verdictOf(findings(fall).front()), Verdict::kFail);
-  FunnelResult funnel;
-  funnel.particle_diameter_m = 0.01;
-  funnel.fit.exponent = 2.6;
-  funnel.points.resize(2);
-  funnel.points[0].opening_m = 0.03;
-  funnel.points[0].clogged = true;
-  funnel.points[1].opening_m = 0.06;
-  EXPECT_THAT(findings(funnel), ElementsAre(ResultOf(verdictOf, Verdict::kPass), ResultOf(verdictOf, Verdict::kPass),
+  HopperResult hopper;
+  hopper.particle_diameter_m = 0.01;
+  hopper.fit.exponent = 2.6;
+  hopper.points.resize(2);
+  hopper.points[0].opening_m = 0.03;
+  hopper.points[0].clogged = true;
+  hopper.points[1].opening_m = 0.06;
+  EXPECT_THAT(findings(hopper), ElementsAre(ResultOf(verdictOf, Verdict::kPass), ResultOf(verdictOf, Verdict::kPass),
                                             ResultOf(verdictOf, Verdict::kPass)));
-  funnel.points[0].opening_m = 0.09;
-  EXPECT_EQ(verdictOf(findings(funnel)[1]), Verdict::kFail);
-  funnel.points[0].clogged = false;
-  funnel.points[1].opening_m = 0.02;
-  EXPECT_EQ(verdictOf(findings(funnel)[1]), Verdict::kFail);  // clogs nowhere
-  EXPECT_EQ(verdictOf(findings(funnel)[2]), Verdict::kFail);  // runs through two diameters
+  hopper.points[0].opening_m = 0.09;
+  EXPECT_EQ(verdictOf(findings(hopper)[1]), Verdict::kFail);
+  hopper.points[0].clogged = false;
+  hopper.points[1].opening_m = 0.02;
+  EXPECT_EQ(verdictOf(findings(hopper)[1]), Verdict::kFail);  // clogs nowhere
+  EXPECT_EQ(verdictOf(findings(hopper)[2]), Verdict::kFail);  // runs through two diameters
 }
 
 }  // namespace

@@ -91,12 +91,12 @@ def test_soils_have_numbers_and_profiles():
 
 def test_the_laboratory_measures():
     told = []
-    fall = hp.lab_test("fall", "dry-sand", fall_m=0.05, body="Mars", progress=lambda what, share: told.append(share))
+    fall = hp.lab_test("free-fall", "dry-sand", fall_m=0.05, body="Mars", progress=lambda what, share: told.append(share))
     assert abs(fall["acceleration_ratio"] - 1) < 1e-3 and told
     assert fall["findings"][0]["passes"] is True
     assert abs(fall["fallen_m"][-1] - 0.05) < 0.005
     with pytest.raises(hp.InvalidParameter, match="fall_m"):
-        hp.lab_test("fall", "dry-sand", fall_n=1)
+        hp.lab_test("free-fall", "dry-sand", fall_n=1)
     with pytest.raises(hp.Stopped):
         hp.lab_test("shear", "dry-sand", progress=lambda what, share: False)
     with pytest.raises(hp.InvalidParameter):

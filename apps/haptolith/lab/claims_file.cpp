@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/scene_file/toml/file_keys.h"
@@ -67,7 +68,8 @@ std::vector<ClaimKey> claimKeys() {
       {"", "any_soil", "", ClaimKey::SwitchValue{[](M& m, bool v) { m.any_soil = v; }, kOnlyRead}, ""},
       {"", "specimens_times", "",
        ClaimKey::CountValue{{1, 100}, [](M& m, std::int64_t v) { m.specimens_times = v; }, kOnlyRead}, ""},
-      {"", "test", "", Text{[](M& m, std::string_view v) { m.run.test = v; }, kOnlyRead}, ""},
+      {"", "test", "",
+       Text{[](M& m, std::string_view v) { m.run.test = currentNameTold(NameKind::kLabTest, v); }, kOnlyRead}, ""},
       {"", "soil", "", Text{[](M& m, std::string_view v) { m.run.soil = v; }, kOnlyRead, TextSize::kPath}, ""},
       {"", "body", "", Text{[](M& m, std::string_view v) { m.run.body = v; }, kOnlyRead}, ""},
       {"", "radius_mm", "", Number{kRadius_mm, [](M& m, double v) { m.run.radius_mm = v; }, kOnlyRead}, ""},

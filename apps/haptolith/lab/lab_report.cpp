@@ -17,6 +17,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/archive/report_folder.h"
 #include "haptolith/lab/archive/report_results.h"
@@ -282,7 +283,8 @@ ReportCell Report::cellOf(std::size_t test, FrictionModel model) const {
   return cell;
 }
 
-/// Returns "shear (contact: seeds 2, 3; paper: seeds 1, 2, 3), fall (paper: seeds 1)"; empty if no piece is missing.
+/// Returns "shear (contact: seeds 2, 3; paper: seeds 1, 2, 3), free-fall (paper: seeds 1)"; empty if no piece is
+/// missing.
 std::string Report::missingText() const {
   std::vector<std::string> missing;
   for (std::size_t test = 0; test < tests_.size(); ++test) {
@@ -375,6 +377,15 @@ std::vector<std::string> testNames() {
   return names;
 }
 
+/// Returns a transform of the name of a test in an earlier version.
+CLI::Validator toCurrentTest() {
+  return {[](std::string& name) {
+            name = std::string(currentNameTold(NameKind::kLabTest, name));
+            return std::string();
+          },
+          ""};
+}
+
 }  // namespace
 
 void addReport(CLI::App& lab) {
@@ -389,7 +400,10 @@ void addReport(CLI::App& lab) {
   command->add_option("--seeds", options->seeds, "Number of specimens of each test, 1 to 100, each with its own seed")
       ->check(wholeNumberIn(kReportSeeds))
       ->capture_default_str();
-  command->add_option("--only", options->only, "Run only these tests")->delimiter(',')->check(oneOf(testNames()));
+  command->add_option("--only", options->only, "Run only these tests")
+      ->delimiter(',')
+      ->transform(toCurrentTest())
+      ->check(oneOf(testNames()));
   command->add_option("--out", options->folder, "Folder for report.html and for each result as soon as it is available")
       ->capture_default_str();
   CLI::Option* resume = command->add_flag("--resume", options->resume, "Continue the report in that folder");

@@ -14,6 +14,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/input_file.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/lab/archive/json_differences.h"
 #include "haptolith/lab/archive/report_results.h"
 #include "haptolith/lab/report/specimen_statistics.h"
@@ -204,6 +205,11 @@ std::vector<std::vector<Finding>> findingsOf(const std::vector<Specimen>& specim
   return all;
 }
 
+/// Returns the command of a test: "lab shear".
+std::string labCommand(const std::string& test) {
+  return (test == "calibrate" ? "soil " : "lab ") + test;
+}
+
 Json summaryOf(const std::vector<Finding>& specimens) {
   std::vector<double> numbers;
   std::ranges::transform(specimens, std::back_inserter(numbers), &Finding::number);
@@ -305,6 +311,8 @@ Specimen readSpecimen(const std::string& path) {
     refuse(path, "is not a result of `haptolith lab TEST --json`");
   }
   specimen.seed = specimen.json.at("seed").get<std::uint64_t>();
+  Json& test = specimen.json.at("test");
+  test = std::string(currentName(NameKind::kLabTest, test.get<std::string>()));
   return specimen;
 }
 
@@ -342,8 +350,8 @@ Collection collected(std::vector<Specimen> specimens) {
   }
   collection.json["results"] = overSpecimens(results);
   collection.text =
-      fmt::format("lab {}: {}, {} friction, {}, particles of R = {:.3g} mm; {} specimen{}, seed{} {}\n\n{}{}",
-                  first.at("test").get<std::string>(), first.at("soil").get<std::string>(),
+      fmt::format("{}: {}, {} friction, {}, particles of R = {:.3g} mm; {} specimen{}, seed{} {}\n\n{}{}",
+                  labCommand(first.at("test").get<std::string>()), first.at("soil").get<std::string>(),
                   first.at("friction").get<std::string>(), first.at("body").get<std::string>(),
                   first.at("radius_mm").get<double>(), specimens.size(), specimens.size() > 1 ? "s" : "",
                   specimens.size() > 1 ? "s" : "", seedsText(specimens), textOf(findings), textOf(columns));

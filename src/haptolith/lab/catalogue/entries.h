@@ -19,14 +19,14 @@ inline constexpr double kMm = 1e-3;
 [[nodiscard]] LabTest settleEntry();
 [[nodiscard]] LabTest shearEntry();
 [[nodiscard]] LabTest reposeEntry();
-[[nodiscard]] LabTest cutEntry();
+[[nodiscard]] LabTest verticalCutEntry();
 [[nodiscard]] LabTest plateEntry();
 [[nodiscard]] LabTest coneEntry();
 [[nodiscard]] LabTest bladeEntry();
-[[nodiscard]] LabTest grainEntry();
+[[nodiscard]] LabTest grainSizeEntry();
 [[nodiscard]] LabTest rftEntry();
-[[nodiscard]] LabTest funnelEntry();
-[[nodiscard]] LabTest carryEntry();
-[[nodiscard]] LabTest fallEntry();
+[[nodiscard]] LabTest hopperEntry();
+[[nodiscard]] LabTest payloadEntry();
+[[nodiscard]] LabTest freeFallEntry();
 
 }  // namespace haptolith

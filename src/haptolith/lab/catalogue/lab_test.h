@@ -56,7 +56,7 @@ struct LabTest {
 /// Returns all tests, in the order of the report, with their default options.
 [[nodiscard]] std::vector<LabTest> labTests();
 
-/// Returns the test of this name. @throws InvalidParameter with the valid names.
+/// Returns the test of this name, or of its name in an earlier version. @throws InvalidParameter with the valid names.
 [[nodiscard]] LabTest labTest(std::string_view name);
 
 }  // namespace haptolith

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/lab/catalogue/entries.h"
 #include "haptolith/soil/contact_law.h"
@@ -58,8 +59,9 @@ LabTest inUnitsOfOptions(LabTest test) {
 }  // namespace
 
 std::vector<LabTest> labTests() {
-  std::vector<LabTest> tests{settleEntry(), shearEntry(),  reposeEntry(), cutEntry(),  plateEntry(), coneEntry(),
-                             bladeEntry(),  funnelEntry(), carryEntry(),  fallEntry(), grainEntry(), rftEntry()};
+  std::vector<LabTest> tests{settleEntry(),  shearEntry(),    reposeEntry(),    verticalCutEntry(),
+                             plateEntry(),   coneEntry(),     bladeEntry(),     hopperEntry(),
+                             payloadEntry(), freeFallEntry(), grainSizeEntry(), rftEntry()};
   for (LabTest& test : tests) {
     test = inUnitsOfOptions(std::move(test));
   }
@@ -68,7 +70,7 @@ std::vector<LabTest> labTests() {
 
 LabTest labTest(std::string_view name) {
   std::vector<LabTest> tests = labTests();
-  const auto found = std::ranges::find(tests, name, &LabTest::name);
+  const auto found = std::ranges::find(tests, currentNameTold(NameKind::kLabTest, name), &LabTest::name);
   if (found != tests.end()) {
     return std::move(*found);
   }

@@ -121,7 +121,8 @@ std::vector<Finding> findings(const ReposeResult& result, const std::optional<So
   return {angle};
 }
 
-std::vector<Finding> findings(const CutResult& result, double height_m, const std::optional<SoilTarget>& target) {
+std::vector<Finding> findings(const VerticalCutResult& result, double height_m,
+                              const std::optional<SoilTarget>& target) {
   const bool cohesive = target && target->cohesion_pa >= 100;
   const double standing = 100 * kStandingCut;
   Finding kept{fmt::format("vertical cut of {:.0f} mm: height that is left", height_m / kOneMm_m),
@@ -177,10 +178,10 @@ std::vector<Finding> findings(const BladeResult& result, const std::optional<Soi
   return all;
 }
 
-std::vector<Finding> findings(const FunnelResult& result) {
+std::vector<Finding> findings(const HopperResult& result) {
   double widest_clogged = 0;
   double narrowest_running = std::numeric_limits<double>::infinity();
-  for (const FunnelPoint& point : result.points) {
+  for (const HopperPoint& point : result.points) {
     const double diameters = point.opening_m / result.particle_diameter_m;
     if (point.clogged) {
       widest_clogged = std::max(widest_clogged, diameters);
@@ -198,12 +199,12 @@ std::vector<Finding> findings(const FunnelResult& result) {
            or_none(narrowest_running), " diameters", 1, Range{.lowest = 3}}};
 }
 
-std::vector<Finding> findings(const CarryResult& result) {
+std::vector<Finding> findings(const PayloadResult& result) {
   return {{"weight felt over weight", "1 ± 3 % (Newton)", result.weight_ratio, "", 3, near(1, 0.03)},
           {"drag felt over weight, 0.1 m/s", "below 3 % (Newton)", result.drag_ratio, "", 3, near(0, 0.03)}};
 }
 
-std::vector<Finding> findings(const FallResult& result) {
+std::vector<Finding> findings(const FreeFallResult& result) {
   return {{"acceleration of a falling clump over g", "1 ± 0.1 % (Newton)", result.acceleration_ratio, "", 5,
            near(1, 0.001)}};
 }

@@ -6,14 +6,14 @@
 
 #include "haptolith/lab/apparatus/settle.h"
 #include "haptolith/lab/tests/blade.h"
-#include "haptolith/lab/tests/carry.h"
 #include "haptolith/lab/tests/cone.h"
-#include "haptolith/lab/tests/cut.h"
-#include "haptolith/lab/tests/fall.h"
-#include "haptolith/lab/tests/funnel.h"
+#include "haptolith/lab/tests/free_fall.h"
+#include "haptolith/lab/tests/hopper.h"
+#include "haptolith/lab/tests/payload.h"
 #include "haptolith/lab/tests/plate.h"
 #include "haptolith/lab/tests/repose.h"
 #include "haptolith/lab/tests/shear.h"
+#include "haptolith/lab/tests/vertical_cut.h"
 #include "haptolith/soil/soil_target.h"
 
 namespace haptolith {
@@ -36,7 +36,7 @@ namespace haptolith {
 /// Returns the angle of repose: +- 3 degrees of the friction angle of a soil without cohesion.
 [[nodiscard]] std::vector<Finding> findings(const ReposeResult& result, const std::optional<SoilTarget>& target);
 /// Expects a cut to stand (kStandingCut) with 100 Pa of cohesion or more, and to fall otherwise.
-[[nodiscard]] std::vector<Finding> findings(const CutResult& result, double height_m,
+[[nodiscard]] std::vector<Finding> findings(const VerticalCutResult& result, double height_m,
                                             const std::optional<SoilTarget>& target);
 [[nodiscard]] std::vector<Finding> findings(const PlateResult& result, double diameter_m);
 [[nodiscard]] std::vector<Finding> findings(const ConeResult& result);
@@ -45,10 +45,10 @@ namespace haptolith {
 [[nodiscard]] std::vector<Finding> findings(const BladeResult& result, const std::optional<SoilTarget>& target);
 /// Compares with Beverloo (1961): exponent of the opening 2.5 +- 0.3; clogging below an opening of 3 to 8 particle
 /// diameters.
-[[nodiscard]] std::vector<Finding> findings(const FunnelResult& result);
+[[nodiscard]] std::vector<Finding> findings(const HopperResult& result);
 /// Compares with Newton's laws: weight within 3 %, and drag of at most 3 % of it.
-[[nodiscard]] std::vector<Finding> findings(const CarryResult& result);
+[[nodiscard]] std::vector<Finding> findings(const PayloadResult& result);
 /// Compares with Newton's laws: acceleration g, +- 0.1 %.
-[[nodiscard]] std::vector<Finding> findings(const FallResult& result);
+[[nodiscard]] std::vector<Finding> findings(const FreeFallResult& result);
 
 }  // namespace haptolith

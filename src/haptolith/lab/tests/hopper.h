@@ -11,7 +11,7 @@
 namespace haptolith {
 
 /// Options of the hopper test. Lengths are in particle diameters d = 2 R.
-struct FunnelOptions {
+struct HopperOptions {
   std::vector<double> openings{2, 3, 4, 6, 8, 10, 12};  ///< D, each 1 to 40
   double fill = 18;                                     ///< min. height of the soil; 5 to 200
   double fill_openings = 3;    ///< min. height over the opening: lower soil flows more slowly; 0 to 20
@@ -20,7 +20,7 @@ struct FunnelOptions {
 };
 
 /// Discharge through one opening.
-struct FunnelPoint {
+struct HopperPoint {
   double opening_m = 0;     ///< D
   double rate_kg_s = 0;     ///< rate of steady flow; 0 with almost no discharge
   double rate_se_kg_s = 0;  ///< standard error, from scatter about the line; neighbouring samples are not independent
@@ -29,8 +29,8 @@ struct FunnelPoint {
   LabTrace trace;        ///< time_s, discharged_kg, cover_m (height of soil above the opening), fastest_m_s
 };
 
-struct FunnelResult {
-  std::vector<FunnelPoint> points;  ///< results in the order of the options' openings
+struct HopperResult {
+  std::vector<HopperPoint> points;  ///< results in the order of the options' openings
   std::vector<double> clogged_m;    ///< openings that clogged
   DischargeFit fit;  ///< fit to openings that flowed and are wide enough; exponent 0 with fewer than three
   double particle_diameter_m = 0;  ///< d
@@ -57,9 +57,9 @@ struct FunnelResult {
 /// is 0.2 to 0.25 for mu_p = 0.4, and 0.58 for beads. The soil is deliberately settled without friction, because poured
 /// with friction from a grid it stays in columns as loose as the grid.
 /// @throws InvalidParameter for values out of range; Failure as LabBed. Not for the tick.
-[[nodiscard]] FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& options = {});
+[[nodiscard]] HopperResult hopperTest(const LabConditions& conditions, const HopperOptions& options = {});
 
 /// Draws rates over D - k d with the fitted power, and a slice of the flow. @throws as Figure.
-void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_view title);
+void drawHopper(const OutputFile& path, const HopperResult& result, std::string_view title);
 
 }  // namespace haptolith

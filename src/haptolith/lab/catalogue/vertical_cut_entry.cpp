@@ -7,7 +7,7 @@
 
 #include "haptolith/lab/catalogue/entries.h"
 #include "haptolith/lab/report/findings.h"
-#include "haptolith/lab/tests/cut.h"
+#include "haptolith/lab/tests/vertical_cut.h"
 
 namespace haptolith {
 
@@ -15,8 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-LabOutput cutOutput(const LabSoil& soil, const LabConditions& conditions, const CutOptions& options) {
-  const CutResult result = verticalCutTest(conditions, options);
+LabOutput verticalCutOutput(const LabSoil& soil, const LabConditions& conditions, const VerticalCutOptions& options) {
+  const VerticalCutResult result = verticalCutTest(conditions, options);
   LabOutput output;
   output.text =
       fmt::format("  a vertical cut of {:.0f} mm {}\n  {:.0f} % of its height is left, its toe went {:.0f} mm ahead\n",
@@ -29,23 +29,24 @@ LabOutput cutOutput(const LabSoil& soil, const LabConditions& conditions, const 
                  {"toe_ahead_m", result.toe_ahead_m}};
   output.findings = findings(result, options.height_m, soil.target);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string& title) { drawCut(path, result, title); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawVerticalCut(path, result, title); };
   return output;
 }
 
 }  // namespace
 
-LabTest cutEntry() {
-  auto own = std::make_shared<CutOptions>();
-  return {
-      .name = "cut",
-      .description = "Remove the support of a vertical cut: does it stand?",
-      .examples =
-          "  haptolith lab cut\n"
-          "  haptolith lab cut --soil dry-sand --figure cut.png",
-      .typical_s = 60,
-      .options = {millimetresOption("height_mm", own->height_m, "Height of the cut")},
-      .run = [own](const LabSoil& soil, const LabConditions& conditions) { return cutOutput(soil, conditions, *own); }};
+LabTest verticalCutEntry() {
+  auto own = std::make_shared<VerticalCutOptions>();
+  return {.name = "vertical-cut",
+          .description = "Remove the support of a vertical cut: does it stand?",
+          .examples =
+              "  haptolith lab vertical-cut\n"
+              "  haptolith lab vertical-cut --soil dry-sand --figure cut.png",
+          .typical_s = 60,
+          .options = {millimetresOption("height_mm", own->height_m, "Height of the cut")},
+          .run = [own](const LabSoil& soil, const LabConditions& conditions) {
+            return verticalCutOutput(soil, conditions, *own);
+          }};
 }
 
 }  // namespace haptolith

@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/fall.h"
+#include "haptolith/lab/tests/free_fall.h"
 
 #include <gtest/gtest.h>
 
@@ -18,13 +18,13 @@ LabConditions withContactFriction() {
   return conditions;
 }
 
-TEST(FallTest, WhatRubsOnlyAgainstItselfFallsFreely) {
+TEST(FreeFallTest, WhatRubsOnlyAgainstItselfFallsFreely) {
   for (const double cohesion : {0.0, 0.02}) {
     for (const double spread : {0.0, 0.1}) {
       LabConditions conditions = withContactFriction();
       conditions.soil.contact_cohesion_n = cohesion;
       conditions.soil.size_spread = spread;
-      const FallResult result = fallTest(conditions);
+      const FreeFallResult result = freeFallTest(conditions);
       EXPECT_GT(result.particles, 100U);
       EXPECT_NEAR(result.acceleration_ratio, 1, 1e-3) << cohesion << " " << spread;
       EXPECT_NEAR(result.trace.rows.back()[1], 0.3, 1e-3);
@@ -32,32 +32,32 @@ TEST(FallTest, WhatRubsOnlyAgainstItselfFallsFreely) {
   }
 }
 
-TEST(FallTest, OnEarthToo) {
+TEST(FreeFallTest, OnEarthToo) {
   LabConditions conditions = withContactFriction();
   conditions.gravity_m_s2 = 9.81;
-  EXPECT_NEAR(fallTest(conditions).acceleration_ratio, 1, 1e-3);
+  EXPECT_NEAR(freeFallTest(conditions).acceleration_ratio, 1, 1e-3);
 }
 
-TEST(FallTest, ThePapersFrictionHoldsAClumpInEmptySpace) {
+TEST(FreeFallTest, ThePapersFrictionHoldsAClumpInEmptySpace) {
   LabConditions conditions;
   conditions.soil = findPreset("P4").soil;
-  const FallResult result = fallTest(conditions);
+  const FreeFallResult result = freeFallTest(conditions);
   EXPECT_LT(std::abs(result.acceleration_ratio), 0.1);
   EXPECT_LT(result.trace.rows.back()[1], 0.1 * 0.3);  // measured: 7 mm of 300 mm
 }
 
-TEST(FallTest, RefusesNonsense) {
+TEST(FreeFallTest, RefusesNonsense) {
   LabConditions conditions = withContactFriction();
-  EXPECT_THROW((void)fallTest(conditions, {.ball_radii = 1}), InvalidParameter);
-  EXPECT_THROW((void)fallTest(conditions, {.fall_m = -1}), InvalidParameter);
+  EXPECT_THROW((void)freeFallTest(conditions, {.ball_radii = 1}), InvalidParameter);
+  EXPECT_THROW((void)freeFallTest(conditions, {.fall_m = -1}), InvalidParameter);
   conditions.gravity_m_s2 = 0;
-  EXPECT_THROW((void)fallTest(conditions), InvalidParameter);
+  EXPECT_THROW((void)freeFallTest(conditions), InvalidParameter);
 }
 
-TEST(FallTest, StopsWhenItsCallerWantsItTo) {
+TEST(FreeFallTest, StopsWhenItsCallerWantsItTo) {
   LabConditions conditions = withContactFriction();
   conditions.progress = [](std::string_view, double) { return false; };
-  EXPECT_THROW((void)fallTest(conditions), Failure);
+  EXPECT_THROW((void)freeFallTest(conditions), Failure);
 }
 
 }  // namespace

@@ -9,11 +9,11 @@
 namespace haptolith {
 
 /// Valid ranges.
-struct CarryRanges {
+struct PayloadRanges {
   static constexpr Range particles{20, 1000};
 };
 
-struct CarryOptions {
+struct PayloadOptions {
   int particles = 200;       ///< number of particles dropped on the shovel; part of them falls off
   double shovel_radii = 20;  ///< edge length of the square shovel in mean particle radii, 8 to 60
   double speed_m_s = 0.1;    ///< sideways speed, 0.01 to 0.2
@@ -24,7 +24,7 @@ struct CarryOptions {
   ToolParameters shovel{};  ///< contact parameters; the test sets shape and size
 };
 
-struct CarryResult {
+struct PayloadResult {
   double weight_ratio = 0;  ///< force on the shovel at rest over the weight of the carried soil
   double drag_ratio = 0;    ///< mean force against a steady sideways movement over that weight
   double follow_ratio = 0;  ///< sideways displacement of the soil over the shovel's
@@ -43,12 +43,12 @@ struct CarryResult {
 /// even without the shovel.
 /// @throws InvalidParameter for values out of range, and without gravity; Failure as LabBed::run(), and when no soil
 /// stays on the shovel.
-[[nodiscard]] CarryResult carryTest(const LabConditions& conditions, const CarryOptions& options = {});
+[[nodiscard]] PayloadResult payloadTest(const LabConditions& conditions, const PayloadOptions& options = {});
 
 /// @throws InvalidParameter with the key, the value and the valid range.
-void validate(const CarryOptions& options);
+void validate(const PayloadOptions& options);
 
 /// Draws force against time, and the weight. @throws as Figure.
-void drawCarry(const OutputFile& path, const CarryResult& result, std::string_view title);
+void drawPayload(const OutputFile& path, const PayloadResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -8,8 +8,8 @@
 
 #include "haptolith/lab/catalogue/entries.h"
 #include "haptolith/lab/report/findings.h"
-#include "haptolith/lab/tests/carry.h"
-#include "haptolith/lab/tests/fall.h"
+#include "haptolith/lab/tests/free_fall.h"
+#include "haptolith/lab/tests/payload.h"
 
 namespace haptolith {
 
@@ -23,8 +23,8 @@ double rounded(double value, int digits) {
   return std::round(value * scale) / scale + 0.0;
 }
 
-LabOutput carryOutput(const LabConditions& conditions, const CarryOptions& options) {
-  const CarryResult result = carryTest(conditions, options);
+LabOutput payloadOutput(const LabConditions& conditions, const PayloadOptions& options) {
+  const PayloadResult result = payloadTest(conditions, options);
   LabOutput output;
   output.text = fmt::format(
       "  weight felt / weight       {:.3f}\n"
@@ -39,44 +39,44 @@ LabOutput carryOutput(const LabConditions& conditions, const CarryOptions& optio
                  {"carried_kg", result.carried_kg},     {"left_kg", result.left_kg}};
   output.findings = findings(result);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string& title) { drawCarry(path, result, title); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawPayload(path, result, title); };
   return output;
 }
 
-LabOutput fallOutput(const LabConditions& conditions, const FallOptions& options) {
-  const FallResult result = fallTest(conditions, options);
+LabOutput freeFallOutput(const LabConditions& conditions, const FreeFallOptions& options) {
+  const FreeFallResult result = freeFallTest(conditions, options);
   LabOutput output;
   output.text =
       fmt::format("  acceleration / g   {:.5f}   ({} particles)\n", result.acceleration_ratio, result.particles);
   output.json = {{"acceleration_ratio", result.acceleration_ratio}, {"particles", result.particles}};
   output.findings = findings(result);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string& title) { drawFall(path, result, title); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawFreeFall(path, result, title); };
   return output;
 }
 
 }  // namespace
 
-LabTest carryEntry() {
-  auto own = std::make_shared<CarryOptions>();
-  return {.name = "carry",
+LabTest payloadEntry() {
+  auto own = std::make_shared<PayloadOptions>();
+  return {.name = "payload",
           .description = "Hold, move and shake a loaded shovel: rendered weight and drag",
-          .examples = "  haptolith lab carry\n  haptolith lab carry --friction paper",
+          .examples = "  haptolith lab payload\n  haptolith lab payload --friction paper",
           .typical_s = 1,
-          .options = {countOption("particles", own->particles, CarryRanges::particles,
+          .options = {countOption("particles", own->particles, PayloadRanges::particles,
                                   "Number of particles dropped on the shovel"),
                       numberOption("speed_m_s", own->speed_m_s, "Sideways speed of the shovel")},
-          .run = [own](const LabSoil&, const LabConditions& conditions) { return carryOutput(conditions, *own); }};
+          .run = [own](const LabSoil&, const LabConditions& conditions) { return payloadOutput(conditions, *own); }};
 }
 
-LabTest fallEntry() {
-  auto own = std::make_shared<FallOptions>();
-  return {.name = "fall",
+LabTest freeFallEntry() {
+  auto own = std::make_shared<FreeFallOptions>();
+  return {.name = "free-fall",
           .description = "Drop a clump of particles: acceleration over g",
-          .examples = "  haptolith lab fall\n  haptolith lab fall --friction paper",
+          .examples = "  haptolith lab free-fall\n  haptolith lab free-fall --friction paper",
           .typical_s = 5,
           .options = {numberOption("fall_m", own->fall_m, "Height of the fall")},
-          .run = [own](const LabSoil&, const LabConditions& conditions) { return fallOutput(conditions, *own); }};
+          .run = [own](const LabSoil&, const LabConditions& conditions) { return freeFallOutput(conditions, *own); }};
 }
 
 }  // namespace haptolith

@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/cut.h"
+#include "haptolith/lab/tests/vertical_cut.h"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ constexpr double kLongestCutRest = 100;  // in sqrt(H / g)
 constexpr double kCutLook = 0.25;        // in sqrt(H / g)
 constexpr double kLetGo = 0.4;           // fraction of the test's time before the plate retreats
 
-void validate(const LabConditions& conditions, const CutOptions& options) {
+void validate(const LabConditions& conditions, const VerticalCutOptions& options) {
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
   requireInRange("height_m", options.height_m, {6 * conditions.soil.radius_m, 1000 * conditions.soil.radius_m});
@@ -34,12 +34,12 @@ void validate(const LabConditions& conditions, const CutOptions& options) {
 }
 
 /// Box, divided by the plate. The bed's x is 0 in its centre; in results x is 0 at the face.
-struct CutApparatus {
+struct VerticalCutApparatus {
   double depth_m, room_m, face_x_m, floor_z_m;
   LabBox box;
   ToolParameters plate;
 
-  CutApparatus(const SoilParameters& soil, const CutOptions& options)
+  VerticalCutApparatus(const SoilParameters& soil, const VerticalCutOptions& options)
       : depth_m(options.depth * options.height_m),
         room_m(options.room * options.height_m),
         face_x_m((depth_m - room_m) / 2),
@@ -144,7 +144,7 @@ double criticalCutHeight(double cohesion_pa, double friction_angle_rad, double d
   return 4 * cohesion_pa / (density_kg_m3 * gravity_m_s2) * std::tan(kQuarter + friction_angle_rad / 2);
 }
 
-CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& options) {
+VerticalCutResult verticalCutTest(const LabConditions& conditions, const VerticalCutOptions& options) {
   validate(conditions, options);
   StagedProgress progress(conditions.progress);
   progress.enter(0, kLetGo);
@@ -152,13 +152,13 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   inner.progress = progress.inner();
 
   const SoilParameters& soil = conditions.soil;
-  const CutApparatus apparatus(soil, options);
+  const VerticalCutApparatus apparatus(soil, options);
   LabBed bed(inner, apparatus.box, apparatus.fill(soil, options.height_m + 2 * soil.radius_m, conditions.seed),
              {roughPlate(soil, apparatus.box, apparatus.floor_z_m - soil.radius_m, conditions.seed)}, apparatus.plate);
   bed.placeTool(apparatus.plateAt(0));
   bed.settle();
 
-  CutResult result;
+  VerticalCutResult result;
   result.radius_m = soil.radius_m;
   const double strip_m = std::max(kStrip * options.height_m, 4 * soil.radius_m);
   const auto profile_now = [&] {
@@ -206,7 +206,7 @@ CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& opt
   return result;
 }
 
-void drawCut(const OutputFile& path, const CutResult& result, std::string_view title) {
+void drawVerticalCut(const OutputFile& path, const VerticalCutResult& result, std::string_view title) {
   constexpr double kMm = 1e3;
   const double r = result.radius_m;
   Figure figure(path, 1000, 760);

@@ -7,7 +7,7 @@
 
 #include "haptolith/lab/catalogue/entries.h"
 #include "haptolith/lab/report/findings.h"
-#include "haptolith/lab/tests/funnel.h"
+#include "haptolith/lab/tests/hopper.h"
 
 namespace haptolith {
 
@@ -15,14 +15,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-LabOutput funnelOutput(const LabConditions& conditions, const FunnelOptions& options) {
-  const FunnelResult result = funnelTest(conditions, options);
+LabOutput hopperOutput(const LabConditions& conditions, const HopperOptions& options) {
+  const HopperResult result = hopperTest(conditions, options);
   LabOutput output;
   const double d = result.particle_diameter_m;
   Json points = Json::array();
   Json clogged = Json::array();
   output.text = "  opening / d   rate / (g/s)\n";
-  for (const FunnelPoint& point : result.points) {
+  for (const HopperPoint& point : result.points) {
     points.push_back({{"opening_m", point.opening_m},
                       {"opening_diameters", point.opening_m / d},
                       {"rate_kg_s", point.rate_kg_s},
@@ -45,24 +45,24 @@ LabOutput funnelOutput(const LabConditions& conditions, const FunnelOptions& opt
                  {"points", points}};
   output.findings = findings(result);
   output.trace = result.trace;
-  output.draw = [result](const OutputFile& path, const std::string& title) { drawFunnel(path, result, title); };
+  output.draw = [result](const OutputFile& path, const std::string& title) { drawHopper(path, result, title); };
   return output;
 }
 
 }  // namespace
 
-LabTest funnelEntry() {
-  auto own = std::make_shared<FunnelOptions>();
-  return {.name = "funnel",
+LabTest hopperEntry() {
+  auto own = std::make_shared<HopperOptions>();
+  return {.name = "hopper",
           .description = "Discharge a hopper through openings: Beverloo's exponent, clogging",
           .examples =
-              "  haptolith lab funnel --soil dry-sand --body Earth\n"
-              "  haptolith lab funnel --opening 2,4,6,8,10",
+              "  haptolith lab hopper --soil dry-sand --body Earth\n"
+              "  haptolith lab hopper --opening 2,4,6,8,10",
           .without_cohesion = true,
           .typical_s = 60,
           .options = {listOption("opening", own->openings, 1, "Widths of the openings, in particle diameters"),
                       numberOption("fill", own->fill_openings, "Height of the soil, in widths of the opening")},
-          .run = [own](const LabSoil&, const LabConditions& conditions) { return funnelOutput(conditions, *own); }};
+          .run = [own](const LabSoil&, const LabConditions& conditions) { return hopperOutput(conditions, *own); }};
 }
 
 }  // namespace haptolith

@@ -10,12 +10,12 @@
 namespace haptolith {
 
 /// Valid ranges.
-struct GrainRanges {
+struct GrainSizeRanges {
   static constexpr Range specimens{1, 1000};
 };
 
 /// Options of a test of force roughness: a blade is drawn steadily through beds that differ only in particle size.
-struct GrainOptions {
+struct GrainSizeOptions {
   std::vector<double> radii_m{7e-3, 3.5e-3, 2e-3, 1.75e-3};  ///< R of beds with particles of one size
   bool graded = true;  ///< adds a bed of the soil's particles, with finer ones down to fine_radius_m at the blade
   double fine_radius_m = 1.75e-3;
@@ -35,7 +35,7 @@ struct GrainSpectrumPoint {
 };
 
 /// Result for one particle size.
-struct GrainResult {
+struct GrainSizeResult {
   std::string name;     ///< "7 mm", "graded 7 to 1.75 mm"
   double radius_m = 0;  ///< R of the finest particles
   std::size_t particles = 0;
@@ -48,10 +48,11 @@ struct GrainResult {
 };
 
 /// Runs the test. @throws InvalidParameter for values out of range; Failure as LabBed::run().
-[[nodiscard]] std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainOptions& options = {});
+[[nodiscard]] std::vector<GrainSizeResult> grainSizeTest(const LabConditions& conditions,
+                                                         const GrainSizeOptions& options = {});
 
 /// Draws force over travel and its spectra. @throws as Figure.
-void drawGrain(const OutputFile& file, const std::vector<GrainResult>& results, std::string_view title);
+void drawGrainSize(const OutputFile& file, const std::vector<GrainSizeResult>& results, std::string_view title);
 
 /// Weber fraction of force: just noticeable difference over the force (Jones 1989 and others: 5 to 10 %).
 inline constexpr double kForceJnd = 0.07;

@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/grain.h"
+#include "haptolith/lab/tests/grain_size.h"
 
 #include <gtest/gtest.h>
 
@@ -22,8 +22,8 @@ LabConditions lunar() {
 }
 
 /// A narrow blade: done in seconds.
-GrainOptions small() {
-  GrainOptions options;
+GrainSizeOptions small() {
+  GrainSizeOptions options;
   options.width_m = 0.03;
   options.travel_m = 0.05;
   options.level_m = 0.015;
@@ -33,16 +33,16 @@ GrainOptions small() {
   return options;
 }
 
-TEST(Grain, FinerGrainsAreSmoother) {
-  const std::vector<GrainResult> results = grainTest(lunar(), small());
+TEST(GrainSize, FinerGrainsAreSmoother) {
+  const std::vector<GrainSizeResult> results = grainSizeTest(lunar(), small());
   ASSERT_EQ(results.size(), 2U);
-  const GrainResult& coarse = results[0];
-  const GrainResult& fine = results[1];
+  const GrainSizeResult& coarse = results[0];
+  const GrainSizeResult& fine = results[1];
   EXPECT_GT(fine.particles, 6 * coarse.particles);
   EXPECT_GT(coarse.draft_n, 1);
   EXPECT_GT(fine.draft_n, 1);
   EXPECT_LT(fine.variation, 0.8 * coarse.variation);
-  for (const GrainResult& result : results) {
+  for (const GrainSizeResult& result : results) {
     EXPECT_LT(result.variation, 1.02 * result.unfiltered_variation);  // at this speed most of it passes
     EXPECT_GT(result.draft_sd_n, 0);
     // The spectrum contains the variance of the force: a Hann window removes none of the noise.
@@ -59,45 +59,45 @@ TEST(Grain, FinerGrainsAreSmoother) {
   }
 }
 
-TEST(Grain, AGradedBedIsAsStrongAsItsSoil) {
-  GrainOptions options = small();
+TEST(GrainSize, AGradedBedIsAsStrongAsItsSoil) {
+  GrainSizeOptions options = small();
   options.radii_m = {3.5e-3};
   options.graded = true;
   options.fine_radius_m = 3.5e-3;
-  const std::vector<GrainResult> results = grainTest(lunar(), options);
+  const std::vector<GrainSizeResult> results = grainSizeTest(lunar(), options);
   ASSERT_EQ(results.size(), 2U);
   EXPECT_LT(results[1].particles, results[0].particles);
   EXPECT_NEAR(results[1].draft_n, results[0].draft_n, 0.3 * results[0].draft_n);  // two specimens each
   EXPECT_EQ(results[1].radius_m, 3.5e-3);
 }
 
-TEST(Grain, RefusesNonsense) {
+TEST(GrainSize, RefusesNonsense) {
   const auto refused = [](auto change) {
-    GrainOptions options = small();
+    GrainSizeOptions options = small();
     change(options);
-    EXPECT_THROW((void)grainTest(lunar(), options), InvalidParameter);
+    EXPECT_THROW((void)grainSizeTest(lunar(), options), InvalidParameter);
   };
-  refused([](GrainOptions& o) { o.radii_m = {}; });
-  refused([](GrainOptions& o) { o.radii_m = {1e-5}; });
-  refused([](GrainOptions& o) { o.travel_m = o.level_m; });
-  refused([](GrainOptions& o) { o.speed_m_s = 0; });
-  refused([](GrainOptions& o) { o.specimens = 0; });
-  refused([](GrainOptions& o) {
+  refused([](GrainSizeOptions& o) { o.radii_m = {}; });
+  refused([](GrainSizeOptions& o) { o.radii_m = {1e-5}; });
+  refused([](GrainSizeOptions& o) { o.travel_m = o.level_m; });
+  refused([](GrainSizeOptions& o) { o.speed_m_s = 0; });
+  refused([](GrainSizeOptions& o) { o.specimens = 0; });
+  refused([](GrainSizeOptions& o) {
     o.graded = true;
     o.fine_radius_m = 2e-3;
   });
 }
 
-TEST(Grain, DrawsItsForcesAndSpectra) {
-  GrainOptions options = small();
+TEST(GrainSize, DrawsItsForcesAndSpectra) {
+  GrainSizeOptions options = small();
   options.radii_m = {7e-3};
   options.specimens = 1;
-  const std::vector<GrainResult> results = grainTest(lunar(), options);
+  const std::vector<GrainSizeResult> results = grainSizeTest(lunar(), options);
   EXPECT_EQ(results[0].draft_sd_n, 0);
   EXPECT_NEAR(results[0].trace.back()[0], options.travel_m, 1e-3);
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "grain.svg";
   std::filesystem::remove(file);
-  drawGrain(file, results, "grain");
+  drawGrainSize(file, results, "grain");
   EXPECT_TRUE(std::filesystem::exists(file));
   std::filesystem::remove(file);
 }

@@ -11,7 +11,7 @@ namespace haptolith {
 
 /// Options of the vertical-cut test. Lengths are in m where cohesion sets their scale, otherwise in radii R or heights
 /// H of the cut.
-struct CutOptions {
+struct VerticalCutOptions {
   double height_m = 0.1;     ///< H, height of the cut; 6 R to 1000 R
   double depth = 1.5;        ///< length of the soil behind the cut, in H; 1 to 10
   double room = 2;           ///< length in front of the cut, in H; 1 to 10
@@ -28,7 +28,7 @@ struct CutProfilePoint {
 /// Min. remaining fraction of the height of a cut that stands; without cohesion about 0.6 remains.
 inline constexpr double kStandingCut = 0.9;
 
-struct CutResult {
+struct VerticalCutResult {
   bool stands = false;
   double height_before_m = 0;  ///< initial height just behind the face: mean over H / 4
   double height_after_m = 0;   ///< final height over the same range
@@ -64,9 +64,10 @@ struct CutResult {
 /// Mendell, in Lunar Sourcebook, 1991, chapter 9).
 /// @throws InvalidParameter for values out of range; Failure as LabBed, and when the soil does not settle. Not for the
 /// tick.
-[[nodiscard]] CutResult verticalCutTest(const LabConditions& conditions, const CutOptions& options = {});
+[[nodiscard]] VerticalCutResult verticalCutTest(const LabConditions& conditions,
+                                                const VerticalCutOptions& options = {});
 
 /// Draws the soil before and after. @throws as Figure.
-void drawCut(const OutputFile& path, const CutResult& result, std::string_view title);
+void drawVerticalCut(const OutputFile& path, const VerticalCutResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/carry.h"
+#include "haptolith/lab/tests/payload.h"
 
 #include <fmt/format.h>
 
@@ -18,23 +18,23 @@ constexpr double kStart_s = 0.5;     ///< time from rest to full speed
 constexpr double kSteady_s = 1;
 constexpr double kBetweenRows_s = 5e-3;
 
-double edge(const LabConditions& conditions, const CarryOptions& options) {
+double edge(const LabConditions& conditions, const PayloadOptions& options) {
   return options.shovel_radii * conditions.soil.radius_m;
 }
 
 /// Returns the distance from rest to rest, with ramps at both ends; one ramp's distance more than at full speed.
-double way(const CarryOptions& options) {
+double way(const PayloadOptions& options) {
   return options.speed_m_s * (kSteady_s + kStart_s);
 }
 
-LabBox boxFor(const LabConditions& conditions, const CarryOptions& options) {
+LabBox boxFor(const LabConditions& conditions, const PayloadOptions& options) {
   LabBox box;
   box.length_m = 2 * edge(conditions, options);
   box.width_m = box.length_m + way(options);
   return box;
 }
 
-ToolParameters shovelFor(const LabConditions& conditions, const CarryOptions& options) {
+ToolParameters shovelFor(const LabConditions& conditions, const PayloadOptions& options) {
   ToolParameters shovel = options.shovel;
   shovel.shape = ToolShape::kBox;
   shovel.size_m = {edge(conditions, options), edge(conditions, options), 0.7 * conditions.soil.radius_m};
@@ -55,7 +55,7 @@ struct MeanForce {
 /// Shovel with its soil.
 class Carried {
  public:
-  Carried(const LabConditions& conditions, const CarryOptions& options)
+  Carried(const LabConditions& conditions, const PayloadOptions& options)
       : conditions_(conditions),
         options_(options),
         start_(-way(options) / 2, 0, kHeightRadii * conditions.soil.radius_m),
@@ -169,7 +169,7 @@ class Carried {
   }
 
   const LabConditions& conditions_;
-  const CarryOptions& options_;
+  const PayloadOptions& options_;
   Vec3 start_;
   LabBed bed_;
   LabTrace trace_;
@@ -186,8 +186,8 @@ double gently(double t, double duration) {
 
 }  // namespace
 
-void validate(const CarryOptions& options) {
-  requireInRange("particles", options.particles, CarryRanges::particles);
+void validate(const PayloadOptions& options) {
+  requireInRange("particles", options.particles, PayloadRanges::particles);
   requireInRange("shovel_radii", options.shovel_radii, {8, 60});
   requireInRange("speed_m_s", options.speed_m_s, {0.01, 0.2});
   requireInRange("shake_g", options.shake_g, {0.01, 0.8});
@@ -195,7 +195,7 @@ void validate(const CarryOptions& options) {
   validate(options.shovel);
 }
 
-CarryResult carryTest(const LabConditions& conditions, const CarryOptions& options) {
+PayloadResult payloadTest(const LabConditions& conditions, const PayloadOptions& options) {
   validate(options);
   validate(conditions.soil);
   const double g = conditions.gravity_m_s2;
@@ -209,7 +209,7 @@ CarryResult carryTest(const LabConditions& conditions, const CarryOptions& optio
 
   Carried soil(conditions, options);
   soil.fill();
-  CarryResult result;
+  PayloadResult result;
   result.carried_kg = soil.carriedMass();
   soil.trace().rows.clear();
   const MeanForce still = soil.move(1, "the shovel stands still", {});
@@ -231,24 +231,24 @@ CarryResult carryTest(const LabConditions& conditions, const CarryOptions& optio
   return result;
 }
 
-void drawCarry(const OutputFile& path, const CarryResult& result, std::string_view title) {
+void drawPayload(const OutputFile& path, const PayloadResult& result, std::string_view title) {
   std::vector<std::vector<double>> rows;
   const double began = result.trace.rows.empty() ? 0 : result.trace.rows.front()[0];
   for (const std::vector<double>& row : result.trace.rows) {
     rows.push_back({row[0] - began, row[1], row[2], row[3], 1e3 * row[4]});
   }
   Figure figure(path, 900, 560);
-  figure.data("carry", rows);
+  figure.data("payload", rows);
   figure.command(
       fmt::format("set title {}; set grid lc '#dddddd'; set key tmargin center horizontal", gnuplotQuoted(title)));
   figure.command(
       "set xlabel 'time / s'; set ylabel 'force / N'; set y2label 'speed / (mm/s)'; set y2tics; "
       "set ytics nomirror; set y2range [0:*]");
   figure.command(fmt::format(
-      "plot $carry using 1:2 with lines lw 1.5 lc '#1f6fb4' title 'felt weight ({:.3f} of it; shaken {:.3f})', "
-      "$carry using 1:3 with lines lw 1.5 lc '#d2691e' title 'against the movement ({:.3f})', "
-      "$carry using 1:4 with lines lw 1.5 dt 2 lc 'black' title 'weight of the soil', "
-      "$carry using 1:5 axes x1y2 with lines dt 3 lc '#888888' title 'speed'",
+      "plot $payload using 1:2 with lines lw 1.5 lc '#1f6fb4' title 'felt weight ({:.3f} of it; shaken {:.3f})', "
+      "$payload using 1:3 with lines lw 1.5 lc '#d2691e' title 'against the movement ({:.3f})', "
+      "$payload using 1:4 with lines lw 1.5 dt 2 lc 'black' title 'weight of the soil', "
+      "$payload using 1:5 axes x1y2 with lines dt 3 lc '#888888' title 'speed'",
       result.weight_ratio, result.shake_ratio, result.drag_ratio));
   figure.save();
 }

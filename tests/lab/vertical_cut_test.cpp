@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/cut.h"
+#include "haptolith/lab/tests/vertical_cut.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 /// A decimetre of lunar soil in coarse particles: done in seconds.
-constexpr CutOptions kSmall{.depth = 1.2, .room = 1.5};
+constexpr VerticalCutOptions kSmall{.depth = 1.2, .room = 1.5};
 
 LabConditions lunar(double cohesion_n) {
   LabConditions conditions;
@@ -27,8 +27,8 @@ LabConditions lunar(double cohesion_n) {
   return conditions;
 }
 
-TEST(Cut, StandsInCohesiveSoil) {
-  const CutResult cut = verticalCutTest(lunar(0.2), kSmall);
+TEST(VerticalCut, StandsInCohesiveSoil) {
+  const VerticalCutResult cut = verticalCutTest(lunar(0.2), kSmall);
   EXPECT_TRUE(cut.stands);
   EXPECT_GT(cut.height_kept, 0.97);
   EXPECT_NEAR(cut.height_before_m, 0.1, 0.015);
@@ -36,7 +36,7 @@ TEST(Cut, StandsInCohesiveSoil) {
   EXPECT_LT(cut.toe_ahead_m, 2 * cut.radius_m);
 }
 
-TEST(Cut, FallsWithoutCohesion) {
+TEST(VerticalCut, FallsWithoutCohesion) {
   // From one specimen to the next 0.69 +- 0.07 of the height is left, and the crest goes back by 22 +- 7 mm.
   constexpr int kSpecimens = 4;
   double height_kept = 0;
@@ -44,7 +44,7 @@ TEST(Cut, FallsWithoutCohesion) {
   for (int seed = 1; seed <= kSpecimens; ++seed) {
     LabConditions conditions = lunar(0);
     conditions.seed = static_cast<std::uint64_t>(seed);
-    const CutResult cut = verticalCutTest(conditions, kSmall);
+    const VerticalCutResult cut = verticalCutTest(conditions, kSmall);
     EXPECT_FALSE(cut.stands);
     EXPECT_GT(cut.toe_ahead_m, 4 * cut.radius_m);
     height_kept += cut.height_kept / kSpecimens;
@@ -76,8 +76,8 @@ TEST(CriticalCutHeight, RefusesNonsense) {
   EXPECT_THROW(static_cast<void>(criticalCutHeight(500, 0.5, 1500, 0)), InvalidParameter);
 }
 
-TEST(Cut, RefusesNonsense) {
-  const auto refuses = [](const CutOptions& options) {
+TEST(VerticalCut, RefusesNonsense) {
+  const auto refuses = [](const VerticalCutOptions& options) {
     EXPECT_THROW(static_cast<void>(verticalCutTest(lunar(0), options)), InvalidParameter);
   };
   refuses({.height_m = 0.01});  // less than three particles
@@ -90,8 +90,8 @@ TEST(Cut, RefusesNonsense) {
   EXPECT_THROW(static_cast<void>(verticalCutTest(weightless)), InvalidParameter);
 }
 
-TEST(Cut, IsDrawn) {
-  CutResult cut;
+TEST(VerticalCut, IsDrawn) {
+  VerticalCutResult cut;
   cut.radius_m = 7e-3;
   cut.height_before_m = 0.1;
   cut.before = {{-0.05, 0.1}, {-0.01, 0.1}};
@@ -99,7 +99,7 @@ TEST(Cut, IsDrawn) {
   cut.centres_before_m = {{-0.05, 0, 0.05}, {-0.01, 0, 0.03}};
   cut.centres_after_m = {{-0.05, 0, 0.05}, {0.05, 0, 0.01}};
   const auto path = std::filesystem::temp_directory_path() / "haptolith_cut_test.svg";
-  drawCut(path, cut, "a soil");
+  drawVerticalCut(path, cut, "a soil");
   EXPECT_GT(std::filesystem::file_size(path), 1000U);
   std::filesystem::remove(path);
 }

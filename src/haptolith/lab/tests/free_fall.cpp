@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/fall.h"
+#include "haptolith/lab/tests/free_fall.h"
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -56,12 +56,12 @@ double curvature(const std::vector<std::vector<double>>& rows, std::size_t x, st
 
 }  // namespace
 
-void validate(const FallOptions& options) {
+void validate(const FreeFallOptions& options) {
   requireInRange("ball_radii", options.ball_radii, {3, 12});
   requireInRange("fall_m", options.fall_m, {0.01, 5});
 }
 
-FallResult fallTest(const LabConditions& conditions, const FallOptions& options) {
+FreeFallResult freeFallTest(const LabConditions& conditions, const FreeFallOptions& options) {
   validate(options);
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
@@ -72,7 +72,7 @@ FallResult fallTest(const LabConditions& conditions, const FallOptions& options)
   box.width_m = box.length_m = 4 * ball_m;
   LabBed bed(conditions, box, ballOfSoil(conditions, ball_m, start));
 
-  FallResult result;
+  FreeFallResult result;
   result.particles = bed.soil();
   result.trace.columns = {"time_s", "fallen_m", "free_fall_m"};
   const auto middle = [&bed] {
@@ -97,7 +97,7 @@ FallResult fallTest(const LabConditions& conditions, const FallOptions& options)
   return result;
 }
 
-void drawFall(const OutputFile& path, const FallResult& result, std::string_view title) {
+void drawFreeFall(const OutputFile& path, const FreeFallResult& result, std::string_view title) {
   Figure figure(path, 760, 480);
   figure.data("fall", result.trace.rows);
   figure.command(fmt::format("set title {}", gnuplotQuoted(title)));

@@ -7,12 +7,12 @@
 
 namespace haptolith {
 
-struct FallOptions {
+struct FreeFallOptions {
   double ball_radii = 6;  ///< radius of the clump in mean particle radii, 3 to 12: a few hundred particles
   double fall_m = 0.3;    ///< distance that a free body falls in the observed time, 0.01 to 5
 };
 
-struct FallResult {
+struct FreeFallResult {
   /// Acceleration of the centre of mass over g: 1 in free fall, for any internal forces.
   double acceleration_ratio = 0;
   std::size_t particles = 0;
@@ -24,12 +24,12 @@ struct FallResult {
 /// acceleration is that of the least-squares parabola through the heights of the centre; the fall ends far above the
 /// floor.
 /// @throws InvalidParameter for values out of range, and without gravity; Failure as LabBed::run().
-[[nodiscard]] FallResult fallTest(const LabConditions& conditions, const FallOptions& options = {});
+[[nodiscard]] FreeFallResult freeFallTest(const LabConditions& conditions, const FreeFallOptions& options = {});
 
 /// @throws InvalidParameter with the key, the value and the valid range.
-void validate(const FallOptions& options);
+void validate(const FreeFallOptions& options);
 
 /// Draws the distance fallen against time, and free fall. @throws as Figure.
-void drawFall(const OutputFile& path, const FallResult& result, std::string_view title);
+void drawFreeFall(const OutputFile& path, const FreeFallResult& result, std::string_view title);
 
 }  // namespace haptolith

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "haptolith/lab/catalogue/entries.h"
-#include "haptolith/lab/tests/grain.h"
+#include "haptolith/lab/tests/grain_size.h"
 
 namespace haptolith {
 
@@ -14,13 +14,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-LabOutput grainOutput(const LabConditions& conditions, const GrainOptions& options) {
-  const std::vector<GrainResult> results = grainTest(conditions, options);
+LabOutput grainSizeOutput(const LabConditions& conditions, const GrainSizeOptions& options) {
+  const std::vector<GrainSizeResult> results = grainSizeTest(conditions, options);
   LabOutput output;
   Json sizes = Json::array();
   output.text = "  grains                   number   draft / N   variation / %   without the filter / %\n";
   output.trace.columns = {"finest_radius_m", "travel_m", "draft_n", "filtered_n"};
-  for (const GrainResult& result : results) {
+  for (const GrainSizeResult& result : results) {
     output.text +=
         fmt::format("  {:<22} {:>8}   {:>5.2f} ± {:<4.2f}   {:>7.1f}         {:>7.1f}\n", result.name, result.particles,
                     result.draft_n, result.draft_sd_n, 100 * result.variation, 100 * result.unfiltered_variation);
@@ -45,20 +45,20 @@ LabOutput grainOutput(const LabConditions& conditions, const GrainOptions& optio
       "mean,\n  after a low-pass filter of {:g} Hz. The discrimination threshold for force is about {:.0f} %.\n",
       options.filter_cutoff_hz, 100 * kForceJnd);
   output.json = {{"sizes", sizes}};
-  output.draw = [results](const OutputFile& path, const std::string& title) { drawGrain(path, results, title); };
+  output.draw = [results](const OutputFile& path, const std::string& title) { drawGrainSize(path, results, title); };
   return output;
 }
 
 }  // namespace
 
-LabTest grainEntry() {
-  auto own = std::make_shared<GrainOptions>();
+LabTest grainSizeEntry() {
+  auto own = std::make_shared<GrainSizeOptions>();
   return {
-      .name = "grain",
+      .name = "grain-size",
       .description = "Draw a blade through particles of several sizes: roughness of the rendered force",
       .examples =
-          "  haptolith lab grain --figure grain.png\n"
-          "  haptolith lab grain --radii-mm 7,3.5 --no-graded --specimens 1",
+          "  haptolith lab grain-size --figure grain.png\n"
+          "  haptolith lab grain-size --radii-mm 7,3.5 --no-graded --specimens 1",
       .in_report = false,
       .typical_s = 300,
       .options = {listOption("radii_mm", own->radii_m, kMm, "Particle radii of the beds of one size"),
@@ -70,8 +70,10 @@ LabTest grainEntry() {
                   millimetresOption("width_mm", own->width_m, "Width of the blade"),
                   millimetresOption("depth_mm", own->depth_m, "Depth of the lower edge of the blade"),
                   numberOption("speed_m_s", own->speed_m_s, "Speed of the blade"),
-                  countOption("specimens", own->specimens, GrainRanges::specimens, "Number of beds of each size")},
-      .run = [own](const LabSoil& /*soil*/, const LabConditions& conditions) { return grainOutput(conditions, *own); }};
+                  countOption("specimens", own->specimens, GrainSizeRanges::specimens, "Number of beds of each size")},
+      .run = [own](const LabSoil& /*soil*/, const LabConditions& conditions) {
+        return grainSizeOutput(conditions, *own);
+      }};
 }
 
 }  // namespace haptolith

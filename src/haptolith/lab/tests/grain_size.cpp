@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/grain.h"
+#include "haptolith/lab/tests/grain_size.h"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ constexpr double kBehind_m = 0.02, kAhead_m = 0.05, kBeside_m = 0.02, kBelow_m =
 // Fine region around the blade, which pushes soil ahead and aside.
 constexpr double kFineAhead_m = 0.025, kFineBeside_m = 0.01, kFineBelow_m = 0.008;
 
-void validate(const LabConditions& conditions, const GrainOptions& options) {
+void validate(const LabConditions& conditions, const GrainSizeOptions& options) {
   const Range positive{0, 1, Ends::kOpenBelow};
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
@@ -39,7 +39,7 @@ void validate(const LabConditions& conditions, const GrainOptions& options) {
   requireInRange("level_m", options.level_m, {0, 10});
   requireInRange("travel_m", options.travel_m, {options.level_m, 10, Ends::kOpenBelow});
   requireInRange("filter_cutoff_hz", options.filter_cutoff_hz, {0, 0.5 / kSample_s, Ends::kOpenBelow});
-  requireInRange("specimens", options.specimens, GrainRanges::specimens);
+  requireInRange("specimens", options.specimens, GrainSizeRanges::specimens);
   for (const double radius_m : options.radii_m) {
     requireInRange("radii_m", radius_m, {0.5 * kGrainMm, 20 * kGrainMm});
   }
@@ -49,7 +49,7 @@ void validate(const LabConditions& conditions, const GrainOptions& options) {
 }
 
 /// Returns the bed; its centre is the centre of the blade's path along x.
-BedParameters boxOf(const LabConditions& conditions, const GrainOptions& options, const SoilParameters& soil) {
+BedParameters boxOf(const LabConditions& conditions, const GrainSizeOptions& options, const SoilParameters& soil) {
   BedParameters bed;
   bed.soil = soil;
   bed.gravity_m_s2 = {0, 0, -conditions.gravity_m_s2};
@@ -70,7 +70,7 @@ struct Bedding {
   double finest_m;
 };
 
-std::vector<Bedding> beddings(const LabConditions& conditions, const GrainOptions& options) {
+std::vector<Bedding> beddings(const LabConditions& conditions, const GrainSizeOptions& options) {
   std::vector<Bedding> all;
   for (const double radius_m : options.radii_m) {
     all.push_back({fmt::format("{:g} mm", radius_m / kGrainMm),
@@ -93,7 +93,7 @@ std::vector<Bedding> beddings(const LabConditions& conditions, const GrainOption
 
 /// Returns the height of the soil on the blade's path, as seen from above. It does not depend on particle size, unlike
 /// the height of the tips.
-double surfaceOfWay(const Bed& bed, const GrainOptions& options) {
+double surfaceOfWay(const Bed& bed, const GrainSizeOptions& options) {
   constexpr std::size_t kRays = 200;
   const double length_m = options.travel_m;
   const HeightGrid way{.x_m = kBehind_m - bed.parameters().width_m / 2,
@@ -109,7 +109,7 @@ struct Drawn {
   std::vector<std::vector<double>> trace;  ///< travel_m, draft_n, filtered_n, one row per sample
 };
 
-Drawn draw(const LabConditions& conditions, const GrainOptions& options, const BedParameters& parameters,
+Drawn draw(const LabConditions& conditions, const GrainSizeOptions& options, const BedParameters& parameters,
            std::string_view what) {
   ToolParameters blade;
   blade.shape = ToolShape::kBox;
@@ -216,20 +216,20 @@ std::vector<GrainSpectrumPoint> spectrumOf(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainOptions& options) {
+std::vector<GrainSizeResult> grainSizeTest(const LabConditions& conditions, const GrainSizeOptions& options) {
   validate(conditions, options);
   const std::vector<Bedding> all = beddings(conditions, options);
   for (const Bedding& bedding : all) {
     validate(bedding.bed);
   }
-  std::vector<GrainResult> results;
+  std::vector<GrainSizeResult> results;
   StagedProgress progress(conditions.progress);
   LabConditions staged = conditions;
   staged.progress = progress.inner();
   const auto drawings = static_cast<double>(all.size()) * options.specimens;
   double drawn_before = 0;
   for (const Bedding& bedding : all) {
-    GrainResult result;
+    GrainSizeResult result;
     result.name = bedding.name;
     result.radius_m = bedding.finest_m;
     std::vector<double> means;
@@ -263,7 +263,7 @@ std::vector<GrainResult> grainTest(const LabConditions& conditions, const GrainO
   return results;
 }
 
-void drawGrain(const OutputFile& file, const std::vector<GrainResult>& results, std::string_view title) {
+void drawGrainSize(const OutputFile& file, const std::vector<GrainSizeResult>& results, std::string_view title) {
   constexpr const char* kColours[] = {"#d55e00", "#0072b2", "#009e73", "#cc79a7", "#333333", "#e69f00"};
   Figure figure(file, 900, 900);
   figure.command("set grid linecolor rgb '#dddddd'; set key outside right top");

@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/carry.h"
+#include "haptolith/lab/tests/payload.h"
 
 #include <gtest/gtest.h>
 
@@ -18,11 +18,11 @@ LabConditions withContactFriction() {
   return conditions;
 }
 
-TEST(CarryTest, AHandFeelsTheWeightAndTheInertiaOfSoilAndNothingElse) {
+TEST(PayloadTest, AHandFeelsTheWeightAndTheInertiaOfSoilAndNothingElse) {
   for (const double cohesion : {0.0, 0.01}) {
     LabConditions conditions = withContactFriction();
     conditions.soil.contact_cohesion_n = cohesion;
-    const CarryResult result = carryTest(conditions);
+    const PayloadResult result = payloadTest(conditions);
     EXPECT_GT(result.carried_kg, 100 * macroparticleMass(conditions.soil)) << "hardly a heap";
     EXPECT_NEAR(result.left_kg, result.carried_kg, 0.05 * result.carried_kg);
     EXPECT_NEAR(result.weight_ratio, 1, 0.03);
@@ -32,31 +32,31 @@ TEST(CarryTest, AHandFeelsTheWeightAndTheInertiaOfSoilAndNothingElse) {
   }
 }
 
-TEST(CarryTest, WithThePapersFrictionSoilHangsInSpaceAndStaysBehind) {
+TEST(PayloadTest, WithThePapersFrictionSoilHangsInSpaceAndStaysBehind) {
   LabConditions conditions;
   conditions.soil = findPreset("P4").soil;
-  const CarryResult result = carryTest(conditions);
+  const PayloadResult result = payloadTest(conditions);
   // Measured: 0.46 of the weight, and 0.004 of the way.
   EXPECT_LT(result.weight_ratio, 0.9);
   EXPECT_LT(result.follow_ratio, 0.5);
 }
 
-TEST(CarryTest, DrawsItsFigure) {
-  CarryResult result;
+TEST(PayloadTest, DrawsItsFigure) {
+  PayloadResult result;
   result.trace.rows = {{1, 0.5, 0, 0.5, 0, 0}, {1.1, 0.51, 0.01, 0.5, 0.1, 0}, {1.2, 0.5, 0, 0.5, 0.1, 0}};
   const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "carry.svg";
-  drawCarry(path, result, "a heap");
+  drawPayload(path, result, "a heap");
   EXPECT_GT(std::filesystem::file_size(path), 1000U);
   std::filesystem::remove(path);
 }
 
-TEST(CarryTest, RefusesNonsense) {
+TEST(PayloadTest, RefusesNonsense) {
   LabConditions conditions = withContactFriction();
-  EXPECT_THROW((void)carryTest(conditions, {.particles = 0}), InvalidParameter);
-  EXPECT_THROW((void)carryTest(conditions, {.shovel_radii = 1}), InvalidParameter);
-  EXPECT_THROW((void)carryTest(conditions, {.shake_g = 2}), InvalidParameter);
+  EXPECT_THROW((void)payloadTest(conditions, {.particles = 0}), InvalidParameter);
+  EXPECT_THROW((void)payloadTest(conditions, {.shovel_radii = 1}), InvalidParameter);
+  EXPECT_THROW((void)payloadTest(conditions, {.shake_g = 2}), InvalidParameter);
   conditions.gravity_m_s2 = 0;
-  EXPECT_THROW((void)carryTest(conditions), InvalidParameter);
+  EXPECT_THROW((void)payloadTest(conditions), InvalidParameter);
 }
 
 }  // namespace

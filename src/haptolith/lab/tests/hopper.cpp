@@ -1,4 +1,4 @@
-#include "haptolith/lab/tests/funnel.h"
+#include "haptolith/lab/tests/hopper.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ namespace haptolith {
 namespace {
 
 // Times in sqrt(d / g).
-constexpr double kFunnelLook = 0.5;
+constexpr double kHopperLook = 0.5;
 constexpr double kQuiet = 20;      // a longer pause counts as clogged
 constexpr double kLongest = 2000;  // max. duration of a discharge
 
@@ -28,7 +28,7 @@ constexpr std::size_t kPlug = 1;  // index of the body; the floor is 0
 constexpr double kSteadyFrom = 0.25;  // in the mass discharged while the opening was covered
 constexpr int kFewestPassed = 30;     // min. number of particles in the fitted part for a rate
 
-void validate(const LabConditions& conditions, const FunnelOptions& options) {
+void validate(const LabConditions& conditions, const HopperOptions& options) {
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
   requireInRange("number of openings", static_cast<double>(options.openings.size()), {1, 100});
@@ -42,11 +42,11 @@ void validate(const LabConditions& conditions, const FunnelOptions& options) {
 }
 
 /// Container and bin for one opening, in m.
-struct FunnelApparatus {
+struct HopperApparatus {
   double opening_m, fill_m, floor_z_m;
   LabBox box;
 
-  FunnelApparatus(const SoilParameters& soil, const FunnelOptions& options, double opening)
+  HopperApparatus(const SoilParameters& soil, const HopperOptions& options, double opening)
       : opening_m(opening * 2 * soil.radius_m),
         fill_m(std::max(options.fill, options.fill_openings * opening) * 2 * soil.radius_m) {
     box.width_m = box.length_m = opening_m + 2 * options.margin * 2 * soil.radius_m;
@@ -88,7 +88,7 @@ struct FunnelApparatus {
 /// Test of one opening, from filling to the end of flow.
 class Discharge {
  public:
-  Discharge(const LabConditions& conditions, const FunnelApparatus& apparatus)
+  Discharge(const LabConditions& conditions, const HopperApparatus& apparatus)
       : conditions_(conditions),
         apparatus_(apparatus),
         unit_s_(std::sqrt(2 * conditions.soil.radius_m / conditions.gravity_m_s2)),
@@ -98,7 +98,7 @@ class Discharge {
     point_.trace.columns = {"time_s", "discharged_kg", "cover_m", "fastest_m_s"};
   }
 
-  FunnelPoint run(StagedProgress& progress, double from, double to) {
+  HopperPoint run(StagedProgress& progress, double from, double to) {
     const double half_way = from + 0.5 * (to - from);
     progress.enter(from, half_way);
     bed_.settle();
@@ -113,7 +113,7 @@ class Discharge {
     while (flows && bed_.time() - begin < kLongest * unit_s_) {
       note();
       progress.enter(half_way + (to - half_way) * std::clamp(1 - cover() / first_cover, 0.0, 1.0), to);
-      bed_.run(kFunnelLook * unit_s_, fmt::format("soil runs through {:.3g} mm", apparatus_.opening_m * 1e3));
+      bed_.run(kHopperLook * unit_s_, fmt::format("soil runs through {:.3g} mm", apparatus_.opening_m * 1e3));
       parkPlug();
       count();
       if (passed_ > last_passed) {
@@ -151,7 +151,7 @@ class Discharge {
     for (std::size_t i = 0; i < bed_.soil(); ++i) {
       const Vec3 c = bed_.centre(i);
       passed += c.z() < passed_below ? 1 : 0;
-      if (FunnelApparatus::fromAxis(c) < middle) {
+      if (HopperApparatus::fromAxis(c) < middle) {
         cover_m_ = std::max(cover_m_, c.z() - apparatus_.floor_z_m);
       }
     }
@@ -183,21 +183,21 @@ class Discharge {
   }
 
   const LabConditions& conditions_;
-  const FunnelApparatus& apparatus_;
+  const HopperApparatus& apparatus_;
   double unit_s_;
   LabBed bed_;
   int settled_below_ = 0;  ///< particles under the floor before the plug was pulled
   int passed_ = 0;
   double cover_m_ = 0;
   std::vector<Vec3> half_way_;
-  FunnelPoint point_;
+  HopperPoint point_;
 };
 
 /// Fits the power law to the openings that are included.
-DischargeFit fitOf(const FunnelResult& result, double smallest_m) {
+DischargeFit fitOf(const HopperResult& result, double smallest_m) {
   std::vector<DischargePoint> points;
   std::set<double> openings;
-  for (const FunnelPoint& point : result.points) {
+  for (const HopperPoint& point : result.points) {
     if (!point.clogged && point.rate_kg_s > 0 && point.opening_m >= smallest_m * (1 - 1e-9)) {
       points.push_back({point.opening_m, point.rate_kg_s});
       openings.insert(point.opening_m);
@@ -211,21 +211,21 @@ DischargeFit fitOf(const FunnelResult& result, double smallest_m) {
 
 }  // namespace
 
-FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& options) {
+HopperResult hopperTest(const LabConditions& conditions, const HopperOptions& options) {
   validate(conditions, options);
   StagedProgress progress(conditions.progress);
   LabConditions inner = conditions;
   inner.progress = progress.inner();
 
-  FunnelResult result;
+  HopperResult result;
   result.particle_diameter_m = 2 * conditions.soil.radius_m;
   result.trace.columns = {"opening_m", "rate_kg_s", "rate_se_kg_s", "clogged"};
   const auto openings = static_cast<double>(options.openings.size());
   for (std::size_t i = 0; i < options.openings.size(); ++i) {
-    const FunnelApparatus apparatus(conditions.soil, options, options.openings[i]);
+    const HopperApparatus apparatus(conditions.soil, options, options.openings[i]);
     Discharge discharge(inner, apparatus);
     const auto done = static_cast<double>(i);
-    FunnelPoint point = discharge.run(progress, done / openings, (done + 1) / openings);
+    HopperPoint point = discharge.run(progress, done / openings, (done + 1) / openings);
     if (point.opening_m > result.widest_m) {
       result.widest_m = point.opening_m;
       result.centres_m = discharge.flowing();
@@ -241,14 +241,14 @@ FunnelResult funnelTest(const LabConditions& conditions, const FunnelOptions& op
   return result;
 }
 
-void drawFunnel(const OutputFile& path, const FunnelResult& result, std::string_view title) {
+void drawHopper(const OutputFile& path, const HopperResult& result, std::string_view title) {
   constexpr double kMm = 1e3;
   const double d = result.particle_diameter_m;
   std::vector<std::vector<double>> ran;
   std::vector<std::vector<double>> stopped;
   std::vector<std::vector<double>> law;
   double widest = 0;
-  for (const FunnelPoint& point : result.points) {
+  for (const HopperPoint& point : result.points) {
     const double free = point.opening_m / d - kBeverlooGap;
     if (free > 0) {
       widest = std::max(widest, free);
