@@ -32,7 +32,7 @@ TEST(CarryTest, AHandFeelsTheWeightAndTheInertiaOfSoilAndNothingElse) {
   }
 }
 
-TEST(CarryTest, WithThePapersFrictionSoilHangsInSpaceAndStaysBehind) {
+TEST(CarryTest, WithIcra2021FrictionSoilHangsInSpaceAndStaysBehind) {
   LabConditions conditions;
   conditions.soil = findPreset("P4").soil;
   const CarryResult result = carryTest(conditions);

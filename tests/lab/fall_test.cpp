@@ -38,7 +38,7 @@ TEST(FallTest, OnEarthToo) {
   EXPECT_NEAR(fallTest(conditions).acceleration_ratio, 1, 1e-3);
 }
 
-TEST(FallTest, ThePapersFrictionHoldsAClumpInEmptySpace) {
+TEST(FallTest, Icra2021FrictionHoldsAClumpInEmptySpace) {
   LabConditions conditions;
   conditions.soil = findPreset("P4").soil;
   const FallResult result = fallTest(conditions);

@@ -61,7 +61,7 @@ LabTest carryEntry() {
   auto own = std::make_shared<CarryOptions>();
   return {.name = "carry",
           .description = "Hold, move and shake a loaded shovel: rendered weight and drag",
-          .examples = "  haptolith lab carry\n  haptolith lab carry --friction paper",
+          .examples = "  haptolith lab carry\n  haptolith lab carry --friction-model icra2021",
           .typical_s = 1,
           .options = {countOption("particles", own->particles, CarryRanges::particles,
                                   "Number of particles dropped on the shovel"),
@@ -73,7 +73,7 @@ LabTest fallEntry() {
   auto own = std::make_shared<FallOptions>();
   return {.name = "fall",
           .description = "Drop a clump of particles: acceleration over g",
-          .examples = "  haptolith lab fall\n  haptolith lab fall --friction paper",
+          .examples = "  haptolith lab fall\n  haptolith lab fall --friction-model icra2021",
           .typical_s = 5,
           .options = {numberOption("fall_m", own->fall_m, "Height of the fall")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return fallOutput(conditions, *own); }};
