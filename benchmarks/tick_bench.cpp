@@ -1,4 +1,4 @@
-// Duration of a tick's work and of its parts. ./dev bench --benchmark_filter=PaperScene
+// Duration of a tick's work and of its parts. ./dev bench --benchmark_filter=Icra2021Scene
 //
 // Percentiles are over single ticks, not over means of many, because the worst tick matters for a hand.
 
@@ -31,7 +31,7 @@ BedParameters bedOf(std::int64_t particles) {
 }
 
 /// Times the complete tick of the loop (read, move, step, sum, filter, limit, send, publish), one thread.
-void PaperScene(benchmark::State& state, Manoeuvre manoeuvre) {
+void Icra2021Scene(benchmark::State& state, Manoeuvre manoeuvre) {
   Scene scene(bedOf(256), ToolParameters{});
   HandParameters hand;
   hand.manoeuvre = manoeuvre;
@@ -53,8 +53,8 @@ void PaperScene(benchmark::State& state, Manoeuvre manoeuvre) {
       static_cast<double>(scene.bed().listRebuilds()) / static_cast<double>(loop.statistics().ticks());
 }
 // 20 s of simulated time each, for percentiles that do not depend on the machine's speed.
-BENCHMARK_CAPTURE(PaperScene, stir, Manoeuvre::kStir)->Iterations(20000)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(PaperScene, scoop, Manoeuvre::kScoop)->Iterations(20000)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Icra2021Scene, stir, Manoeuvre::kStir)->Iterations(20000)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Icra2021Scene, scoop, Manoeuvre::kScoop)->Iterations(20000)->Unit(benchmark::kMicrosecond);
 
 /// Times one step of a bed at rest: contacts, friction, positions.
 void BedStep(benchmark::State& state) {

@@ -12,8 +12,8 @@ import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const SCENES = {
-  PaperScoop: ['[hand]\nmanoeuvre = "scoop"', 8000],
-  PaperStir: ['[hand]\nmanoeuvre = "stir"', 8000],
+  Icra2021Scoop: ['[hand]\nmanoeuvre = "scoop"', 8000],
+  Icra2021Stir: ['[hand]\nmanoeuvre = "stir"', 8000],
   LunarStir: ['[soil]\nname = "lunar-0-15cm"\n[hand]\nmanoeuvre = "stir"', 4000],
   Rain: ['[bed]\nstart = "rain"\nparticles = 300\nseed = 7\n[hand]\nmanoeuvre = "stir"', 8000],
 };

@@ -194,7 +194,7 @@ struct DemoScene {
 };
 const std::vector<DemoScene>& demoScenes() {
   static const std::vector<DemoScene> kScenes{
-      {"moon", "auto"}, {"paper", "paper"}, {"rain", "rain"}, {"jaws", "jaws"}, {"sandbox", "sandbox"},
+      {"moon", "auto"}, {"icra2021", "icra2021"}, {"rain", "rain"}, {"jaws", "jaws"}, {"sandbox", "sandbox"},
   };
   return kScenes;
 }

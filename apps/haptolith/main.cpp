@@ -37,7 +37,7 @@ enum ExitStatus { kOk = 0, kFailed = 1, kUsage = 2 };
 
 constexpr const char* kProgramExamples = R"(Examples:
   haptolith run                          run lunar soil with a virtual hand
-  haptolith run paper                    run the scene of the ICRA 2021 paper
+  haptolith run icra2021                 run the scene of the ICRA 2021 paper
   haptolith run scenes/rain.toml         run a scene from a file (docs/reference/scenes.md)
   haptolith snapshot --out view.png      save a picture of a scene, without a display
   haptolith soil list                    list the built-in soils and their measured properties

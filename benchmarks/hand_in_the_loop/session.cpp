@@ -33,13 +33,13 @@ constexpr std::array<Grip, 6> kGrips = {{{"stiff", {1500, 20}},
                                          {"letgo", {300, 5}, Grip::Opens::kWhenStill}}};
 
 constexpr std::array<std::pair<const char*, const char*>, 4> kScenes = {
-    {{"A", "title = \"A: the paper's scene, P3 on the Moon\"\n[soil]\npreset = \"P3\"\n"},
+    {{"A", "title = \"A: the scene icra2021, P3 on the Moon\"\n[soil]\npreset = \"P3\"\n"},
      {"B",
-      "title = \"B: P6 on Earth, pairwise friction\"\n[soil]\npreset = \"P6\"\nfriction = \"pairwise\"\n"
+      "title = \"B: P6 on Earth, contact friction\"\n[soil]\npreset = \"P6\"\nfriction_model = \"contact\"\n"
       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n"},
      {"C", "title = \"C: apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"\n"},
      {"D",
-      "title = \"D: B behind a virtual coupling\"\n[soil]\npreset = \"P6\"\nfriction = \"pairwise\"\n"
+      "title = \"D: B behind a virtual coupling\"\n[soil]\npreset = \"P6\"\nfriction_model = \"contact\"\n"
       "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[coupling]\nkind = \"virtual\"\n"}}};
 
 /// Interpolates from 0 to 1 without a jump in velocity or acceleration.

@@ -131,8 +131,8 @@ void batch(int scenes, int threads) {
         secondsOf([&] { require(hapto_batch_step(made, kTicks, poses.data(), nullptr, nullptr, nullptr)); }));
   }
   const double steps = static_cast<double>(own[0]->bed().particles()) * scenes * kTicks * own[0]->substeps() / 1e6;
-  fmt::print("{} paper scenes on {} threads: {:.1f} M particle-steps/s inside, {:.1f} in a batch: {:.0f} %\n", scenes,
-             threads, steps / median(inside), steps / median(batched), 100 * median(inside) / median(batched));
+  fmt::print("{} icra2021 scenes on {} threads: {:.1f} M particle-steps/s inside, {:.1f} in a batch: {:.0f} %\n",
+             scenes, threads, steps / median(inside), steps / median(batched), 100 * median(inside) / median(batched));
   require(hapto_batch_destroy(made));
   for (hapto_scene* scene : handles) {
     require(hapto_scene_destroy(scene));

@@ -1,6 +1,6 @@
 // Settled bed for other engines, and haptolith's speed with it: see speed and README.md.
 //
-//     haptolith_peer_speed PARTICLES paper|contact THREADS FOLDER
+//     haptolith_peer_speed PARTICLES icra2021|contact THREADS FOLDER
 //
 // Writes FOLDER/bed.data (LAMMPS) and FOLDER/law.table (contact force over distance), and prints one line of JSON that
 // describes the bed. Then, for every line "STEPS" of standard input, it prints the duration of this number of steps in
@@ -68,7 +68,7 @@ void writeTable(const Bed& bed, const std::string& path) {
   const double last = law.cutoff_m;
   const double first = 0.5 * last;
   std::ofstream file(path);
-  file << fmt::format("# the paper's contact law\n\nLAW\nN {} R {} {}\n\n", kRows, first, last);
+  file << fmt::format("# contact law of icra2021\n\nLAW\nN {} R {} {}\n\n", kRows, first, last);
   for (int row = 0; row < kRows; ++row) {
     const double a = first + (last - first) * row / (kRows - 1);
     file << fmt::format("{} {} {} {}\n", row + 1, a, contactEnergy(law, a), contactForce(law, a));
@@ -80,15 +80,15 @@ void writeTable(const Bed& bed, const std::string& path) {
 
 int run(int argc, char** argv) {
   if (argc != 5) {
-    fmt::print(stderr, "usage: haptolith_peer_speed PARTICLES paper|contact THREADS FOLDER\n");
+    fmt::print(stderr, "usage: haptolith_peer_speed PARTICLES icra2021|contact THREADS FOLDER\n");
     return 2;
   }
   const std::string friction = argv[2];
-  if (friction != "paper" && friction != "contact") {
-    throw InvalidParameter("friction", friction, "paper or contact");
+  if (friction != "icra2021" && friction != "contact") {
+    throw InvalidParameter("friction", friction, "icra2021 or contact");
   }
   const std::string folder = argv[4];
-  Bed bed(sandbox(std::stoi(argv[1]), friction == "paper" ? FrictionModel::kPaper : FrictionModel::kContact,
+  Bed bed(sandbox(std::stoi(argv[1]), friction == "icra2021" ? FrictionModel::kIcra2021 : FrictionModel::kContact,
                   std::stoi(argv[3])));
   const BedParameters& parameters = bed.parameters();
   const double dt = parameters.tick_s / substepsFor(parameters.soil, 0, parameters.tick_s, parameters.max_substeps);

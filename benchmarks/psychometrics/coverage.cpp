@@ -17,7 +17,7 @@
 #include "haptolith/psychometrics/fit.h"
 #include "haptolith/psychometrics/goodness_of_fit.h"
 
-#include "paper_experiments.h"
+#include "icra2021_experiments.h"
 
 namespace {
 

@@ -22,7 +22,7 @@
 #include "haptolith/psychometrics/group/group.h"
 #include "haptolith/psychometrics/group/group_difference.h"
 
-#include "paper_experiments.h"
+#include "icra2021_experiments.h"
 
 namespace {
 

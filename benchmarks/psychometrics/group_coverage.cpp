@@ -19,7 +19,7 @@
 #include "haptolith/psychometrics/goodness_of_fit.h"
 #include "haptolith/psychometrics/group/group.h"
 
-#include "paper_experiments.h"
+#include "icra2021_experiments.h"
 
 namespace {
 

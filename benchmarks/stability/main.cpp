@@ -37,7 +37,7 @@ constexpr HoldingHand kHands[]{kStiffHand, kLooseHand, kNoHand, kOpeningHand};
 
 struct Soil {
   std::string preset, body;
-  FrictionModel friction = FrictionModel::kPaper;
+  FrictionModel friction = FrictionModel::kIcra2021;
   BedParameters bed;
   LyingSoil lying;
 };
@@ -62,7 +62,7 @@ Soil soilOf(const std::string& preset, const std::string& body, FrictionModel fr
 
 std::vector<Soil> soils(int threads) {
   std::vector<Soil> all;
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
+  for (const FrictionModel friction : {FrictionModel::kIcra2021, FrictionModel::kContact}) {
     for (const char* preset : {"P1", "P3", "P6"}) {
       for (const char* body : {"Moon", "Earth"}) {
         all.push_back(soilOf(preset, body, friction));
@@ -102,7 +102,7 @@ const char* text(CouplingKind coupling) {
 }
 
 const char* text(FrictionModel friction) {
-  return friction == FrictionModel::kContact ? "contact" : "paper";
+  return friction == FrictionModel::kContact ? "contact" : "icra2021";
 }
 
 void print(const std::vector<Cell>& cells) {
@@ -148,7 +148,7 @@ void summarise(const std::vector<Cell>& cells) {
   fmt::print(stderr, "{:9}{:10}{:9}{:>6}{:>5}{:>7}{:>6}{:>7}{:>14}{:>15}{:>13}{:>9}\n", "coupling", "friction", "grip",
              "delay", "ctl", "cells", ">1mJ", "ended", "injected_mj", "vibration_mm", "median_mm", "damped");
   for (const CouplingKind coupling : {CouplingKind::kDirect, CouplingKind::kVirtual}) {
-    for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
+    for (const FrictionModel friction : {FrictionModel::kIcra2021, FrictionModel::kContact}) {
       for (const HoldingHand& hand : kHands) {
         for (const int delay : {0, 2, 5}) {
           for (const bool passivity : {false, true}) {
@@ -239,7 +239,7 @@ struct UnknownCell {
 int unknownDevices(int threads) {
   const std::vector<SceneFile> scenes{
       loadSceneFileText("title = \"P3, Moon\"", "A"),
-      loadSceneFileText("title = \"P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
+      loadSceneFileText("title = \"P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction_model = \"contact\"\n"
                         "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"\n[bed]\nstart = \"rain\"",
                         "B"),
       loadSceneFileText("title = \"apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C")};
@@ -297,7 +297,7 @@ int unknownDevices(int threads) {
 int releasedHandles(int threads) {
   const std::vector<SceneFile> scenes{
       loadSceneFileText("title = \"A: P3, Moon\"", "A"),
-      loadSceneFileText("title = \"B: P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction = \"contact\"\n"
+      loadSceneFileText("title = \"B: P6, Earth, contact\"\n[soil]\npreset = \"P6\"\nfriction_model = \"contact\"\n"
                         "stiffness_n_m = 3000\n[gravity]\nbody = \"Earth\"",
                         "B"),
       loadSceneFileText("title = \"C: apollo-15-srp\"\n[soil]\nname = \"apollo-15-srp\"", "C"),

@@ -266,7 +266,7 @@ int run(int argc, char** argv) {
        [](const Place& p) {
          return pressedWith(p, {.tool = {.shape = ToolShape::kSphere, .diameter_m = 0.02}, .over_m = {0, 0, 0.015}});
        }},
-      {"paper's 256, shovel flat, 12 N",
+      {"icra2021, 256, shovel flat, 12 N",
        [](const Place& p) {
          return pressedWith(p, {.over_m = {0, 0, 0.005}, .start = BedStart::kCount, .particles = 256});
        }},

@@ -16,7 +16,7 @@ int main(void) {
   hapto_pose tool = {{0, 0, 0}, {1, 0, 0, 0}};
   hapto_wrench felt;
   int tick;
-  if (hapto_scene_from_file("paper", overrides, 2, NULL, NULL, &scene) != HAPTO_OK) return failed("scene");
+  if (hapto_scene_from_file("icra2021", overrides, 2, NULL, NULL, &scene) != HAPTO_OK) return failed("scene");
   if (hapto_scene_get_info(scene, &info) != HAPTO_OK) return failed("info");
   tool.position_m[2] = info.surface_m + 0.01;
   hapto_scene_place_tool(scene, &tool);

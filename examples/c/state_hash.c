@@ -21,7 +21,7 @@ int main(int argc, char **argv) {
   hapto_loop *loop = NULL;
   hapto_snapshot now = {sizeof now};
   uint64_t hash = 0;
-  require(hapto_scene_from_file(argc > 1 ? argv[1] : "paper", overrides, 2, NULL, NULL, &scene), "scene");
+  require(hapto_scene_from_file(argc > 1 ? argv[1] : "icra2021", overrides, 2, NULL, NULL, &scene), "scene");
   require(hapto_loop_create(scene, NULL, 0, &loop), "loop");
   require(hapto_loop_start(loop), "start");
   do {

@@ -27,7 +27,7 @@ class PressingHandle : public chai3d::cGenericHapticDevice {
 int main() {
   hapto_scene *scene = nullptr;
   const char *overrides[] = {"soil.preset=P3", "gravity.body=Moon"};
-  if (hapto_scene_from_file("paper", overrides, 2, nullptr, nullptr, &scene) != HAPTO_OK) {
+  if (hapto_scene_from_file("icra2021", overrides, 2, nullptr, nullptr, &scene) != HAPTO_OK) {
     std::fprintf(stderr, "no scene\n");
     return 1;
   }

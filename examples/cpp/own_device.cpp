@@ -40,7 +40,7 @@ class HandleOnASpring final : public hapto::Device {
 };
 
 int main() try {
-  hapto::Scene scene = hapto::Scene::fromFile("paper", {"loop.duration_s=2"});
+  hapto::Scene scene = hapto::Scene::fromFile("icra2021", {"loop.duration_s=2"});
   HandleOnASpring device;
   hapto::Loop loop(scene, device);
   loop.start();  // paced by the clock, on a separate thread

@@ -5,7 +5,7 @@
 #include <haptolith/haptolith.hpp>
 
 int main() try {
-  hapto::Scene scene = hapto::Scene::fromFile("paper");
+  hapto::Scene scene = hapto::Scene::fromFile("icra2021");
   const double surface_m = scene.info().surface_m;
 
   auto limits = hapto::sized<hapto_device_limits>();

@@ -27,7 +27,7 @@ int main(int argc, char **argv) try {
   const char *file = argc > 1 ? argv[1] : "run.h5";
   Hand hand;
   {
-    hapto::Scene scene = hapto::Scene::fromFile("paper", {"mapping.offset_mm=[0, 0, 15]"});
+    hapto::Scene scene = hapto::Scene::fromFile("icra2021", {"mapping.offset_mm=[0, 0, 15]"});
     hapto::Loop loop(scene, hand, hapto::Loop::Ticked::kByCaller, hapto::Loop::Ticks::kKept);
     hapto::Recorder recorder(loop, file);
     for (int tick = 0; tick < 2000; ++tick) {

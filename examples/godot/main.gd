@@ -1,6 +1,6 @@
 # Holds haptolith's tool through its network device: leads it along a circle in the soil and displays the force.
 #
-#     haptolith run paper --device network                         in one terminal
+#     haptolith run icra2021 --device network                         in one terminal
 #     godot3-server --path examples/godot                          in another; godot3 also displays it
 #
 # Options: --address=127.0.0.1:9050 --seconds=10 --height-mm=-90, the circle's height above the handle's origin, which is

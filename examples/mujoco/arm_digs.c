@@ -57,7 +57,7 @@ int main(int argc, char **argv) {
   const char *overrides[] = {"soil.name=lunar-0-15cm", "bed.start=settled", "bed.depth_mm=40", "tool.shape=box", "tool.size_mm=[60, 50, 4]"};
   hapto_scene *scene = NULL;
   hapto_scene_info info = {sizeof info};
-  if (hapto_scene_from_file("paper", overrides, 5, NULL, NULL, &scene) != HAPTO_OK) return failed("scene");
+  if (hapto_scene_from_file("icra2021", overrides, 5, NULL, NULL, &scene) != HAPTO_OK) return failed("scene");
   if (hapto_scene_get_info(scene, &info) != HAPTO_OK) return failed("info");
 
   char why[500] = "";

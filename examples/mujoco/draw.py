@@ -34,7 +34,7 @@ def elbow(x, z):
 
 # Particles in the central 40 mm, at each line of the file.
 grains = []
-with hp.Scene("paper", soil__name="lunar-0-15cm", bed__start="settled", bed__depth_mm=40, tool__shape="box",
+with hp.Scene("icra2021", soil__name="lunar-0-15cm", bed__start="settled", bed__depth_mm=40, tool__shape="box",
               tool__size_mm=[60, 50, 4]) as scene:
     radius_m, surface_m = scene.info.radius_m, scene.info.surface_m
     ticks = np.arange(0, run["t_s"][-1], 1e-3)

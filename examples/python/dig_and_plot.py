@@ -18,11 +18,11 @@ if picture.exists():
 settled = {"bed__start": "settled", "bed__depth_mm": 40}  # settled at random, not a crystal
 figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for name, keys in {
-    "P3, the paper's": {"soil__preset": "P3"},
+    "P3, ICRA 2021": {"soil__preset": "P3"},
     "lunar-0-15cm": {"soil__name": "lunar-0-15cm", **settled},
     "dry-sand": {"soil__name": "dry-sand", **settled},
 }.items():
-    with hp.Scene("paper", **keys) as scene:
+    with hp.Scene("icra2021", **keys) as scene:
         surface_m = scene.info.surface_m
         depths_m = np.linspace(-0.01, 0.03, 800)  # 40 mm at 0.05 m/s
         poses = np.zeros((len(depths_m), 7))

@@ -7,7 +7,7 @@ import numpy as np
 
 import haptolith as hp
 
-first = hp.Scene("paper")
+first = hp.Scene("icra2021")
 scenes = [first] + [first.clone() for _ in range(63)]  # equal soil, made once
 surface_m = first.info.surface_m
 

@@ -26,7 +26,7 @@ class HandleOnASpring(hp.Device):
         self.felt_n = force_n
 
 
-with hp.Scene("paper", loop__duration_s=2) as scene, hp.Loop(scene, HandleOnASpring()) as loop:
+with hp.Scene("icra2021", loop__duration_s=2) as scene, hp.Loop(scene, HandleOnASpring()) as loop:
     loop.start()
     while (now := loop.snapshot()).running:
         print(f"{now.time_s:4.1f} s  tool at {1e3 * now.tool_pose[2]:5.1f} mm  {now.device_force_n[2]:6.3f} N  tick {now.tick_us_p50:4.0f} us")

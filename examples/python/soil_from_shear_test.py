@@ -19,5 +19,5 @@ print(f"\nasked for 38 degrees and 200 Pa; {reached['seeds']} specimens show "
       f"{reached['friction_angle_deg']:.1f} +- {reached['friction_angle_sd_deg']:.1f} degrees and "
       f"{reached['cohesion_pa']:.0f} +- {reached['cohesion_sd_pa']:.0f} Pa")
 file.write_text(soil.toml, encoding="utf-8")
-with hp.Scene("paper", soil__file=str(file), bed__start="settled", bed__depth_mm=40) as scene:
+with hp.Scene("icra2021", soil__file=str(file), bed__start="settled", bed__depth_mm=40) as scene:
     print(scene)

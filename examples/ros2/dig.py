@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A node of ROS 2 that digs in haptolith's soil, and prints what the soil does to the tool.
 
-    haptolith ros2 paper --target-timeout-s 0.2            in one terminal
+    haptolith ros2 icra2021 --target-timeout-s 0.2            in one terminal
     source /opt/ros/DISTRO/setup.bash
     examples/ros2/dig.py --surface-m 0.09                  in another; the height that haptolith prints at its start
 

@@ -3,7 +3,7 @@
  *     hapto_scene *scene = NULL;
  *     hapto_pose pose = {{0, 0, 0.06}, {1, 0, 0, 0}};
  *     hapto_wrench soil_wrench;
- *     if (hapto_scene_from_file("paper", NULL, 0, NULL, NULL, &scene) == HAPTO_OK &&
+ *     if (hapto_scene_from_file("icra2021", NULL, 0, NULL, NULL, &scene) == HAPTO_OK &&
  *         hapto_scene_step(scene, &pose, NULL, &soil_wrench) == HAPTO_OK) { ... }
  *     hapto_scene_destroy(scene);
  *
@@ -150,14 +150,14 @@ HAPTO_API int32_t hapto_list(const char *what, hapto_result **out);
 
 /* --- scenes: soil in a box and a tool ------------------------------------------------------------------------------ */
 
-/* A scene from the text of a scene file; NULL or "" is the paper's scene.
+/* A scene from the text of a scene file; NULL or "" is the scene icra2021.
  * name       its name in messages; NULL: "scene". Files that it names are relative to that name.
  * overrides  `count` texts "table.key=value" that replace keys of the file.
  * progress   may be NULL. Soil that settles takes seconds to minutes the first time.
  * Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE when soil does not settle. */
 HAPTO_API int32_t hapto_scene_from_toml(const char *text, const char *name, const char *const *overrides, uint32_t count,
                                         hapto_progress progress, void *user, hapto_scene **out);
-/* As above from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
+/* As above from a built-in scene of that name ("icra2021", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
  * Moon in the finest particles that this machine renders at 1 kHz with a core left to others: it measures the machine,
  * about a second the first time, and keeps the result with settled soil. Overrides of soil.radius_mm and bed.threads
  * count. */
@@ -171,7 +171,7 @@ typedef struct hapto_scene_info {
   uint32_t size;
   uint32_t substeps;  /* per tick */
   uint32_t threads;   /* that share one, at most */
-  uint32_t friction;  /* 0: the paper's, 1: contact */
+  uint32_t friction;  /* friction model, 0: icra2021, 1: contact */
   uint64_t particles; /* the indices of all arrays */
   uint64_t held;      /* of these, that stand for ever where a box of settled soil ends */
   uint64_t awake;     /* that were worked on in the last tick, in whole groups of 16 */
@@ -269,7 +269,7 @@ HAPTO_API int32_t hapto_batch_destroy(hapto_batch *batch);
 
 /* --- soils ---------------------------------------------------------------------------------------------------------- */
 
-/* A soil with a name (hapto_list("soils")), a preset of the paper ("P1" to "P6"), or a soil file. */
+/* A soil with a name (hapto_list("soils")), a preset of icra2021 ("P1" to "P6"), or a soil file. */
 HAPTO_API int32_t hapto_soil_find(const char *name_or_path, hapto_soil **out);
 HAPTO_API int32_t hapto_soil_from_toml(const char *text, const char *name, hapto_soil **out);
 HAPTO_API int32_t hapto_soil_destroy(hapto_soil *soil);

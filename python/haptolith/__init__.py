@@ -2,7 +2,7 @@
 
     import haptolith as hp
 
-    with hp.Scene("paper", soil__preset="P3") as scene:
+    with hp.Scene("icra2021", soil__preset="P3") as scene:
         for tick in range(300):                              # down into the soil, at 0.1 m/s
             felt = scene.step([0, 0, 0.06 - 1e-4 * tick])    # one tick of 1 ms: what the soil does to the tool
         print(felt.force_n, scene.positions[:, 2].max())

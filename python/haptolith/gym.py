@@ -134,7 +134,7 @@ class DigEnv:
     render_mode = None
     spec = None
 
-    def __init__(self, scene: Union[Scene, str] = "paper", *, speed_m_s: float = 0.2, ticks_per_action: int = 20,
+    def __init__(self, scene: Union[Scene, str] = "icra2021", *, speed_m_s: float = 0.2, ticks_per_action: int = 20,
                  most_steps: int = 250, grid: int = 16, level_m: float = 0.02, reward: Reward = soil_lifted) -> None:
         self.episode = Episode(Scene(scene) if isinstance(scene, str) else scene, grid, level_m)
         self.speed_m_s, self.ticks, self.most_steps, self.reward = speed_m_s, ticks_per_action, most_steps, reward
@@ -174,7 +174,7 @@ class VecDigEnv:
     """n of them, stepped together on threads. An episode that has ended restarts with the next step(), whose action
     does not count for it (autoreset mode "next step")."""
 
-    def __init__(self, n: int, scene: str = "paper", *, threads: int = 0, **of_each: Any) -> None:
+    def __init__(self, n: int, scene: str = "icra2021", *, threads: int = 0, **of_each: Any) -> None:
         first = DigEnv(scene, **of_each)
         self.envs = [first] + [DigEnv(first.episode.scene.clone(), **of_each) for _ in range(n - 1)]
         self.num_envs = n

@@ -70,7 +70,7 @@ class Scene:
     Raises InvalidParameter with key, value and what would be valid; Failure.
     """
 
-    def __init__(self, name_or_path: Union[str, os.PathLike[str]] = "paper", *, progress: Optional[Progress] = None,
+    def __init__(self, name_or_path: Union[str, os.PathLike[str]] = "icra2021", *, progress: Optional[Progress] = None,
                  **keys: object) -> None:
         given = overrides_of(keys)
         name = os.fspath(name_or_path).encode()
@@ -94,7 +94,7 @@ class Scene:
 
     @classmethod
     def from_toml(cls, text: str, *, progress: Optional[Progress] = None, **keys: object) -> Scene:
-        """A scene from the text of a scene file; "" is the paper's scene."""
+        """A scene from the text of a scene file; "" is the scene icra2021."""
         given = overrides_of(keys)
         return cls._of(_made(lambda told, out: _lib.hapto_scene_from_toml(text.encode(), None, _abi.texts(given),
                                                                           len(given), told, None, out), progress))
@@ -240,7 +240,7 @@ class Scene:
         info = _abi.sized(_abi.SceneInfo)
         require(_lib.hapto_scene_get_info(self.address, info))
         numbers = {name: getattr(info, name) for name, _ in _abi.SceneInfo._fields_ if name != "size"}
-        numbers["friction"] = "contact" if info.friction else "paper"
+        numbers["friction"] = "contact" if info.friction else "icra2021"
         numbers["gravity_m_s2"] = tuple(info.gravity_m_s2)
         return SceneInfo(**numbers)
 

@@ -22,12 +22,12 @@ def soils() -> list[str]:
 
 
 def presets() -> list[str]:
-    """The paper's soils."""
+    """The soils of the ICRA 2021 paper, P1 to P6."""
     return names("presets")
 
 
 class Soil(Owned):
-    """A soil: a built-in name (haptolith.soils()), a preset of the paper, or a soil file.
+    """A soil: a built-in name (haptolith.soils()), a preset of the ICRA 2021 paper, or a soil file.
 
     soil["target.friction_angle_deg"], soil["soil.radius_mm"], soil["reached.cohesion_pa"]: numbers of its file.
     """

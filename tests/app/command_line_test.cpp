@@ -86,7 +86,7 @@ TEST(Workbench, IsMissedByNameWhereItIsNot) {
 
 TEST(Help, SaysWhatToWriteAndWhatIsTakenOtherwise) {
   const std::string bench = runHaptolith("bench --help").output;
-  EXPECT_THAT(bench, HasSubstr("--friction contact|paper,..."));
+  EXPECT_THAT(bench, HasSubstr("--friction-model contact|icra2021,..."));
   EXPECT_THAT(bench, HasSubstr("--threads N,...             Numbers of threads, 1 to 256 [1,2]\n"));
   EXPECT_THAT(bench, HasSubstr("--seconds NUMBER            Simulated time of each row in s [1]\n"));
   EXPECT_THAT(bench, HasSubstr("--figure FILE "));
@@ -212,7 +212,7 @@ TEST(Usage, TheWordsOfACommandAreSuggestedToo) {
   EXPECT_THAT(runHaptolith("lab sheer").errors,
               StartsWith("haptolith: error: unknown command 'sheer'; did you mean shear?\n"));
   EXPECT_THAT(runHaptolith("lab").errors, StartsWith("haptolith: error: a command is missing: must be "));
-  EXPECT_THAT(runHaptolith("run paper --duration 3").errors,
+  EXPECT_THAT(runHaptolith("run icra2021 --duration 3").errors,
               StartsWith("haptolith: error: unknown option '--duration'; did you mean --duration-s?\n"));
   EXPECT_THAT(runHaptolith("soil icra2021 profile --gravity 3").errors, HasSubstr("did you mean --gravity-m-s2?"));
   EXPECT_THAT(runHaptolith("devices now").errors, StartsWith("haptolith: error: unexpected argument 'now'\n"));
@@ -295,12 +295,12 @@ TEST(Run, AKeyWithoutEffectIsAWarning) {
   const std::string run = "run '" + path + "' --unpaced --duration-s 0.01";
   EXPECT_THAT(runHaptolith(run).errors,
               HasSubstr("warning: " + path + ":3: [soil] contact_friction has no effect: it needs"));
-  EXPECT_THAT(runHaptolith(run + " --friction contact").errors, Not(HasSubstr("no effect")));
+  EXPECT_THAT(runHaptolith(run + " --friction-model contact").errors, Not(HasSubstr("no effect")));
 }
 
 TEST(Run, SaysWhatItSaved) {
   const std::string path = testing::TempDir() + "haptolith_told.csv";
-  const std::string run = "run paper --unpaced --overwrite --duration-s 0.05 --trace '" + path + "'";
+  const std::string run = "run icra2021 --unpaced --overwrite --duration-s 0.05 --trace '" + path + "'";
   const ProgramResult told = runHaptolith(run);
   EXPECT_THAT(told.output, testing::ContainsRegex("saved " + path + ": 50 rows of [0-9]+ columns\n"));
   EXPECT_THAT(told.output, HasSubstr("deadlines  none: not in real time"));
@@ -314,11 +314,12 @@ TEST(Run, RefusesTwoOutputsOfOneName) {
   for (const std::string& two :
        {fmt::format("--record {0}.h5 --trace {0}.h5", name), fmt::format("--trace {0}.svg --figure {0}.svg", name),
         fmt::format("--trace {0}.svg --figure {1}/./haptolith_twice.svg", name, folder)}) {
-    const ProgramResult refused = runHaptolith("run paper --unpaced --duration-s 0.05 --overwrite " + two);
+    const ProgramResult refused = runHaptolith("run icra2021 --unpaced --duration-s 0.05 --overwrite " + two);
     EXPECT_EQ(refused.exit_status, 2) << two;
     EXPECT_THAT(refused.errors, HasSubstr("name the same file")) << two;
   }
-  EXPECT_THAT(runHaptolith("run paper --unpaced --duration-s 0.05 --trace -").errors, HasSubstr("must be a file name"));
+  EXPECT_THAT(runHaptolith("run icra2021 --unpaced --duration-s 0.05 --trace -").errors,
+              HasSubstr("must be a file name"));
 }
 
 TEST(Run, APortThatWasAskedForIsThatOrAFailure) {
@@ -333,7 +334,7 @@ TEST(Run, APortThatWasAskedForIsThatOrAFailure) {
 
 TEST(StatusLine, IsCutToTheTerminalsWidth) {
   const ProgramResult result = runInShell(
-      "script -qec 'stty cols 60; \"$HAPTOLITH\" run paper --no-serve --duration-s 0.5 > /dev/null' /dev/null");
+      "script -qec 'stty cols 60; \"$HAPTOLITH\" run icra2021 --no-serve --duration-s 0.5 > /dev/null' /dev/null");
   std::size_t longest = 0;
   for (std::size_t at = result.output.find("\033[K"); at != std::string::npos;) {
     const std::size_t next = result.output.find("\033[K", at + 3);
@@ -393,15 +394,15 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("run --hand s"), "scoop shake still stir\n");
   EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
   EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
-  EXPECT_EQ(bashOffers("run --friction c"), "contact\n");
+  EXPECT_EQ(bashOffers("run --friction-model c"), "contact\n");
   EXPECT_EQ(bashOffers("soil cal"), "calibrate\n");
   EXPECT_EQ(bashOffers("soil icra"), "icra2021\n");
   EXPECT_EQ(bashOffers("soil icra2021 p"), "profile\n");
   EXPECT_EQ(bashOffers("soil icra2021 profile --preset P3 --body E"), "Europa Earth\n");
-  EXPECT_EQ(bashOffers("bench --friction c"), "contact\n");
+  EXPECT_EQ(bashOffers("bench --friction-model c"), "contact\n");
   EXPECT_EQ(bashOffers("lab plate --preparation l"), "loose\n");
   EXPECT_EQ(bashOffers("run sand"), "sandbox\n");
-  EXPECT_EQ(bashOffers("study new x --protocol paper-f"), "paper-friction\n");
+  EXPECT_EQ(bashOffers("study new x --protocol icra2021-f"), "icra2021-friction\n");
 }
 
 TEST(Completion, OtherShellsHaveTheirOwn) {

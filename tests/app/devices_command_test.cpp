@@ -85,7 +85,7 @@ TEST(DevicesCommand, NonsenseIsRefused) {
 
 TEST(RunDevice, WithoutItsSdkTheForceDimensionSaysWhatToDo) {
   const ProgramResult result =
-      runHaptolith(std::string("run paper --device force-dimension --duration-s 0.1 --device-library ") + kNowhere);
+      runHaptolith(std::string("run icra2021 --device force-dimension --duration-s 0.1 --device-library ") + kNowhere);
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.output, IsEmpty());
   EXPECT_THAT(result.errors,
@@ -93,27 +93,27 @@ TEST(RunDevice, WithoutItsSdkTheForceDimensionSaysWhatToDo) {
 }
 
 TEST(RunDevice, AHandsManoeuvreAndADeviceExcludeEachOther) {
-  const ProgramResult result = runHaptolith("run paper --device gamepad --hand scoop --duration-s 0.1");
+  const ProgramResult result = runHaptolith("run icra2021 --device gamepad --hand scoop --duration-s 0.1");
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, AllOf(HasSubstr("--device"), HasSubstr("--hand")));
 }
 
 TEST(RunDevice, OneThatNobodyKnowsIsRefusedWithThoseThatAreKnown) {
-  const ProgramResult result = runHaptolith("run paper --device joystick --duration-s 0.1");
+  const ProgramResult result = runHaptolith("run icra2021 --device joystick --duration-s 0.1");
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, AllOf(HasSubstr("joystick"), HasSubstr("gamepad"), HasSubstr("force-dimension")));
 }
 
 TEST(RunDevice, AnAddressThatIsNoneIsRefused) {
   const ProgramResult result =
-      runHaptolith("run paper --device network --device-address nowhere --duration-s 0.1 --no-serve");
+      runHaptolith("run icra2021 --device network --device-address nowhere --duration-s 0.1 --no-serve");
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("nowhere"));
 }
 
 TEST(RunDevice, ANetworkDeviceThatNobodyHoldsShowsNoForceAndTheRunEnds) {
   const ProgramResult result =
-      runHaptolith("run paper --device network --device-address 127.0.0.1:0 --duration-s 0.3 --json");
+      runHaptolith("run icra2021 --device network --device-address 127.0.0.1:0 --duration-s 0.3 --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json summary = json::parse(result.output);
   EXPECT_EQ(summary.at("force_n").at("max"), 0);
@@ -124,7 +124,7 @@ TEST(RunDevice, ANetworkDeviceThatNobodyHoldsShowsNoForceAndTheRunEnds) {
 
 TEST(RunWithADevice, NobodysHandIsPutAtALoopWithoutAClock) {
   const ProgramResult unpaced =
-      runHaptolith("run paper --unpaced --device network --device-address 127.0.0.1:0 --no-serve");
+      runHaptolith("run icra2021 --unpaced --device network --device-address 127.0.0.1:0 --no-serve");
   EXPECT_EQ(unpaced.exit_status, 2);
   EXPECT_THAT(unpaced.errors, AllOf(HasSubstr("paced"), HasSubstr("network"), HasSubstr("--unpaced")));
 
@@ -141,7 +141,8 @@ TEST(RunWithADevice, NobodysHandIsPutAtALoopWithoutAClock) {
 }
 
 TEST(RunWithADevice, TheNetworkDeviceListensBeyondThisMachineOnlyWithAKeyOrWhenAskedTo) {
-  const std::string everywhere = "run paper --device network --device-address 0.0.0.0:0 --no-serve --duration-s 0.01 ";
+  const std::string everywhere =
+      "run icra2021 --device network --device-address 0.0.0.0:0 --no-serve --duration-s 0.01 ";
   const ProgramResult without = runHaptolith(everywhere);
   EXPECT_EQ(without.exit_status, 2);
   EXPECT_THAT(without.errors, AllOf(HasSubstr("--device-key-file"), HasSubstr("--device-insecure")));

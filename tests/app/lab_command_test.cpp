@@ -41,8 +41,8 @@ TEST_F(LabCommand, FreeFallPrintsOneJsonObjectAndWritesFigureAndTrace) {
   EXPECT_EQ(header, "time_s,fallen_m,free_fall_m");
 }
 
-TEST_F(LabCommand, PaperFrictionHangsInSpace) {
-  const ProgramResult result = runHaptolith("lab free-fall --friction paper --json");
+TEST_F(LabCommand, Icra2021FrictionHangsInSpace) {
+  const ProgramResult result = runHaptolith("lab free-fall --friction-model icra2021 --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_LT(json::parse(result.output).at("acceleration_ratio").get<double>(), 0.1);
 }
@@ -84,7 +84,7 @@ TEST_F(LabCommand, NonsenseIsRefused) {
   EXPECT_EQ(soil.exit_status, 2);
   EXPECT_THAT(soil.errors, HasSubstr("lunar-0-15cm"));
   EXPECT_EQ(runHaptolith("lab free-fall --body Nowhere").exit_status, 2);
-  EXPECT_EQ(runHaptolith("lab free-fall --friction none").exit_status, 2);
+  EXPECT_EQ(runHaptolith("lab free-fall --friction-model none").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab free-fall --radius-mm -3").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab shear --normal-pa 100,200").exit_status, 2);
   EXPECT_EQ(runHaptolith("lab rft --size-factor 1").exit_status, 2);

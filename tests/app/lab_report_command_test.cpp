@@ -55,14 +55,14 @@ TEST_F(LabReportCommand, IsTheSameAfterAnInterruptAsWithoutOne) {
   const ProgramResult whole = runHaptolith(reportIn("whole", "--seeds 2"));
   ASSERT_EQ(whole.exit_status, 0) << whole.errors;
   EXPECT_THAT(whole.errors, ContainsRegex(R"(\[1/4\] free-fall, contact, seed 1: [^0-9]*1\.00000 \([0-9]+ s)"));
-  EXPECT_THAT(whole.errors, ContainsRegex(R"(\[4/4\] free-fall, paper, seed 2: .* \([0-9]+ s\))"));
+  EXPECT_THAT(whole.errors, ContainsRegex(R"(\[4/4\] free-fall, icra2021, seed 2: .* \([0-9]+ s\))"));
   EXPECT_THAT(whole.output, AllOf(HasSubstr("saved " + (folder_ / "whole" / "report.html").string()),
                                   Not(HasSubstr(".json")), Not(HasSubstr(".png"))));
 
   const ProgramResult interrupted = runInShell(stopped("parts", "--seeds 2", "kill -INT $p"));
   EXPECT_EQ(interrupted.exit_status, 1);
   EXPECT_THAT(interrupted.errors, ContainsRegex("interrupted: [1-3] of 4 results are saved in .*parts; .*--resume"));
-  EXPECT_THAT(page("parts"), AllOf(HasSubstr("(unfinished)"), ContainsRegex("Missing: free-fall .*paper: seeds? .*2"),
+  EXPECT_THAT(page("parts"), AllOf(HasSubstr("(unfinished)"), ContainsRegex("Missing: free-fall .*icra2021: seeds? .*2"),
                                    HasSubstr("of 2 seeds so far)")));
   const std::string first = textOf(firstResult("parts"));
 

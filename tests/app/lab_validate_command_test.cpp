@@ -111,7 +111,7 @@ TEST_F(LabValidateCommand, FindsSoilFilesBesideTheClaims) {
   std::ofstream(folder_ / "mine.toml")
       << "name = 'mine'\n[target]\nbulk_density_kg_m3 = 1500\nfriction_angle_deg = "
          "35\ncohesion_pa = 0\n[soil]\nradius_mm = 7\nrho0_kg_m3 = 1500\nrho_max_kg_m3 = 2000\ngamma_nm = "
-         "4e-5\nstiffness_n_m = 3000\nfriction = 'contact'\n"
+         "4e-5\nstiffness_n_m = 3000\nfriction_model = 'contact'\n"
          "contact_friction = 0.4\ncontact_cohesion_n = 0\n";
   std::string text = kFall + "expected = 1\nwithin = 0.01\n";
   text.replace(text.find("dry-sand"), 8, "mine.toml");

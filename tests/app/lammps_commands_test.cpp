@@ -30,7 +30,7 @@ class ToLammps : public testing::Test {
     fs::create_directories(folder_);
     std::ofstream(folder_ / "springs.toml") << R"(
 [soil]
-friction = "contact"
+friction_model = "contact"
 radius_mm = 6
 stiffness_n_m = 1000
 gamma_nm = 0.004194
@@ -177,9 +177,9 @@ TEST_F(ToLammps, GoesTheToolOfARecording) {
 }
 
 TEST_F(ToLammps, GoesNothingThatLammpsDoesNotHave) {
-  const ProgramResult paper = runHaptolith(fmt::format("export paper --format lammps --out {}", path("l")));
-  EXPECT_EQ(paper.exit_status, 2);
-  EXPECT_THAT(paper.errors, HasSubstr("no other engine has it"));
+  const ProgramResult other = runHaptolith(fmt::format("export icra2021 --format lammps --out {}", path("l")));
+  EXPECT_EQ(other.exit_status, 2);
+  EXPECT_THAT(other.errors, HasSubstr("no other engine has it"));
   const ProgramResult stones = runHaptolith(fmt::format("export stones --format lammps --out {}", path("l")));
   EXPECT_EQ(stones.exit_status, 2);
   EXPECT_THAT(stones.errors, HasSubstr("nothing that turns is exported"));

@@ -42,7 +42,7 @@ TEST(Ros2Command, TellsWhatItTold) {
     GTEST_SKIP() << "this program has no DDS";
   }
   const ProgramResult result = runHaptolith(
-      "ros2 paper --hand stir --localhost --domain 97 --node-name digger --ros-namespace /site --duration-s 0.5 "
+      "ros2 icra2021 --hand stir --localhost --domain 97 --node-name digger --ros-namespace /site --duration-s 0.5 "
       "--json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json told = json::parse(result.output).at("ros2");
@@ -55,7 +55,7 @@ TEST(Ros2Command, AToolThatWaitsForTargetsFeelsNothing) {
   if (!isBuiltIn()) {
     GTEST_SKIP() << "this program has no DDS";
   }
-  const ProgramResult result = runHaptolith("ros2 paper --localhost --domain 98 --duration-s 0.3 --json");
+  const ProgramResult result = runHaptolith("ros2 icra2021 --localhost --domain 98 --duration-s 0.3 --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_EQ(json::parse(result.output)["force_n"]["max"], 0);
   EXPECT_THAT(result.errors, HasSubstr("the tool waits for /haptolith/target_pose"));

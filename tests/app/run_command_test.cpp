@@ -63,7 +63,7 @@ class RunCommand : public testing::Test {
 };
 
 TEST_F(RunCommand, SummaryTellsTheWholeRun) {
-  const json summary = summaryOf("paper --unpaced --duration-s 2");
+  const json summary = summaryOf("icra2021 --unpaced --duration-s 2");
   EXPECT_EQ(summary["particles"], 256);
   EXPECT_EQ(summary["ticks"], 2000);
   EXPECT_DOUBLE_EQ(summary["duration_s"], 2);
@@ -82,15 +82,15 @@ TEST_F(RunCommand, SummaryTellsTheWholeRun) {
 }
 
 TEST_F(RunCommand, MissedDeadlinesAreToldByTheirCause) {
-  const json summary = summaryOf("paper --duration-s 1");
+  const json summary = summaryOf("icra2021 --duration-s 1");
   const auto misses = [&](const char* cause) { return summary[std::string("misses_") + cause].get<int>(); };
   EXPECT_EQ(misses("too_long") + misses("woken_late") + misses("preempted"), summary["deadline_misses"]);
-  EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["misses_too_long"].is_null());
+  EXPECT_TRUE(summaryOf("icra2021 --unpaced --duration-s 0.05")["misses_too_long"].is_null());
 }
 
 TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
   const std::string fine =
-      "run paper --set bed.start=packed --set bed.width_mm=1000 --set bed.length_mm=1000 --set bed.depth_mm=150 "
+      "run icra2021 --set bed.start=packed --set bed.width_mm=1000 --set bed.length_mm=1000 --set bed.depth_mm=150 "
       "--set bed.sleep=false --duration-s 0.2 --no-serve ";
   const ProgramResult text = runHaptolith(fine);
   ASSERT_EQ(text.exit_status, 0) << text.errors;
@@ -130,24 +130,24 @@ TEST_F(RunCommand, SaysWhichParticlesItChoseAndTakesCoarserOnes) {
   const ProgramResult said =
       runHaptolith("run --set soil.radius_mm=4 --coarser --unpaced --duration-s 0.01 --no-serve");
   EXPECT_THAT(said.errors, HasSubstr("4.4 mm particles on"));
-  const ProgramResult refused = runHaptolith("run paper --coarser --unpaced --duration-s 0.01");
+  const ProgramResult refused = runHaptolith("run icra2021 --coarser --unpaced --duration-s 0.01");
   EXPECT_EQ(refused.exit_status, 2);
 }
 
 TEST_F(RunCommand, APresetWithoutASceneIsThePapersSoilInThePapersScene) {
   EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 --preset P1")["state_hash"],
-            summaryOf("paper --unpaced --duration-s 0.05 --preset P1")["state_hash"]);
+            summaryOf("icra2021 --unpaced --duration-s 0.05 --preset P1")["state_hash"]);
 }
 
 TEST_F(RunCommand, AnyKeyCanBeSetOnTheCommandLine) {
   const json summary = summaryOf(
-      "--unpaced --duration-s 0.01 --set bed.particles=200 --set soil.preset=P1 --set gravity.body=Mars paper");
+      "--unpaced --duration-s 0.01 --set bed.particles=200 --set soil.preset=P1 --set gravity.body=Mars icra2021");
   EXPECT_EQ(summary["particles"], 200);
   EXPECT_EQ(summary["preset"], "P1");
-  const ProgramResult wrong = runHaptolith("run paper --set bed.threads=0");
+  const ProgramResult wrong = runHaptolith("run icra2021 --set bed.threads=0");
   EXPECT_EQ(wrong.exit_status, 2);
   EXPECT_THAT(wrong.errors, HasSubstr("override bed.threads=0: [bed] threads = 0 is not valid"));
-  const ProgramResult unknown = runHaptolith("run paper --set bed.treads=2");
+  const ProgramResult unknown = runHaptolith("run icra2021 --set bed.treads=2");
   EXPECT_EQ(unknown.exit_status, 2);
   EXPECT_THAT(unknown.errors, HasSubstr("did you mean [bed] threads?"));
 }
@@ -162,18 +162,18 @@ TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
   const double error = radius_mm < 7 ? 0.1 : 0.25;
   const double free = run["particles"].get<double>() - run["held"].get<double>();
   EXPECT_NEAR(free / run["finest"]["chosen"]["grains"].get<double>(), 1, error);
-  EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["finest"].is_null());
-  const ProgramResult refused = runHaptolith("run paper --finest --unpaced --duration-s 0.05");
+  EXPECT_TRUE(summaryOf("icra2021 --unpaced --duration-s 0.05")["finest"].is_null());
+  const ProgramResult refused = runHaptolith("run icra2021 --finest --unpaced --duration-s 0.05");
   EXPECT_EQ(refused.exit_status, 2);
   EXPECT_THAT(refused.errors, HasSubstr("the bed must start as settled"));
 }
 
 TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
-  const std::string scoop = "paper --unpaced --duration-s 3 --hand scoop";
+  const std::string scoop = "icra2021 --unpaced --duration-s 3 --hand scoop";
   const json once = summaryOf(scoop);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop)["state_hash"]);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop + " --threads 3")["state_hash"]);
-  EXPECT_EQ(once["state_hash"], summaryOf("paper --duration-s 3 --hand scoop")["state_hash"])
+  EXPECT_EQ(once["state_hash"], summaryOf("icra2021 --duration-s 3 --hand scoop")["state_hash"])
       << "pacing changes the physics";
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --body Mars")["state_hash"]);
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --preset P1")["state_hash"]);
@@ -181,7 +181,7 @@ TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
 
 TEST_F(RunCommand, ASoilIsFoundByItsNameFromAnyFolder) {
   const ProgramResult result = runInShell(fmt::format(
-      "cd '{}' && \"$HAPTOLITH\" run paper --json --unpaced --duration-s 0.05 --soil LHS-1", folder_.string()));
+      "cd '{}' && \"$HAPTOLITH\" run icra2021 --json --unpaced --duration-s 0.05 --soil LHS-1", folder_.string()));
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json summary = json::parse(result.output);
   EXPECT_EQ(summary["soil"], "lhs-1");
@@ -194,34 +194,34 @@ TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
       "sed 's/^name = .*/name = \"mine\"/' '{}/soils/lhs-1.toml' > '{}'", sourceDir().string(), file("mine.toml")));
   ASSERT_EQ(copied.exit_status, 0);
   const std::string brief = "--unpaced --duration-s 0.05 ";
-  EXPECT_EQ(summaryOf(brief + "paper --soil " + file("mine.toml"))["soil"], "mine");
-  EXPECT_EQ(summaryOf(brief + "paper --soil " + file("mine.toml"))["state_hash"],
-            summaryOf(brief + "paper --soil lhs-1")["state_hash"]);
+  EXPECT_EQ(summaryOf(brief + "icra2021 --soil " + file("mine.toml"))["soil"], "mine");
+  EXPECT_EQ(summaryOf(brief + "icra2021 --soil " + file("mine.toml"))["state_hash"],
+            summaryOf(brief + "icra2021 --soil lhs-1")["state_hash"]);
   writeFile("scene.toml", "[soil]\nfile = \"mine.toml\"\n");
   EXPECT_EQ(summaryOf(brief + file("scene.toml"))["soil"], "mine");
   EXPECT_EQ(summaryOf(brief + file("scene.toml") + " --soil jsc-1a")["soil"], "jsc-1a");
   const json preset = summaryOf(brief + file("scene.toml") + " --preset P2");
   EXPECT_TRUE(preset["soil"].is_null());
   EXPECT_EQ(preset["preset"], "P2");
-  EXPECT_EQ(preset["friction"], "paper");
+  EXPECT_EQ(preset["friction"], "icra2021");
 }
 
 TEST_F(RunCommand, FrictionIsTheSoilsUnlessToldOtherwise) {
-  const std::string brief = "paper --unpaced --duration-s 0.05 ";
-  EXPECT_EQ(summaryOf(brief)["friction"], "paper");
-  EXPECT_EQ(summaryOf(brief + "--friction Contact")["friction"], "contact");
+  const std::string brief = "icra2021 --unpaced --duration-s 0.05 ";
+  EXPECT_EQ(summaryOf(brief)["friction"], "icra2021");
+  EXPECT_EQ(summaryOf(brief + "--friction-model Contact")["friction"], "contact");
   EXPECT_EQ(summaryOf(brief + "--friction pairwise")["friction"], "contact") << "the word of earlier versions";
-  EXPECT_EQ(summaryOf(brief + "--friction contact")["preset"], "P3");
-  EXPECT_EQ(summaryOf(brief + "--soil lms-1 --friction paper")["friction"], "paper");
+  EXPECT_EQ(summaryOf(brief + "--friction-model contact")["preset"], "P3");
+  EXPECT_EQ(summaryOf(brief + "--soil lms-1 --friction-model icra2021")["friction"], "icra2021");
 }
 
 TEST_F(RunCommand, AWrongSoilIsToldWithTheNearest) {
-  const ProgramResult unknown = runHaptolith("run paper --soil jsc-1b");
+  const ProgramResult unknown = runHaptolith("run icra2021 --soil jsc-1b");
   EXPECT_EQ(unknown.exit_status, 2);
   EXPECT_THAT(unknown.errors, HasSubstr("soil = 'jsc-1b' is not valid: must be one of apollo-15-srp, "));
   EXPECT_THAT(unknown.errors, HasSubstr("did you mean jsc-1a?"));
   writeFile("wrong.toml", "name = \"x\"\n[target]\ncohesion_pa = -1\n");
-  const ProgramResult wrong = runHaptolith("run paper --soil " + file("wrong.toml"));
+  const ProgramResult wrong = runHaptolith("run icra2021 --soil " + file("wrong.toml"));
   EXPECT_EQ(wrong.exit_status, 2);
   EXPECT_THAT(wrong.errors, HasSubstr("wrong.toml:3: [target] cohesion_pa = -1 is not valid: must be 0 to 1000000"));
 }
@@ -236,7 +236,7 @@ TEST_F(RunCommand, SeedChangesRainAndNothingElse) {
 TEST_F(RunCommand, AToolThatSomebodyDrewIsToldOfAndReplayedWithoutItsFile) {
   writeFile("wedge.obj", "v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   const ProgramResult run = runHaptolith(fmt::format(
-      "run paper --set tool.mesh={} --unpaced --duration-s 0.5 --record {}", file("wedge.obj"), file("run.h5")));
+      "run icra2021 --set tool.mesh={} --unpaced --duration-s 0.5 --record {}", file("wedge.obj"), file("run.h5")));
   EXPECT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors, HasSubstr("wedge.obj: 30 x 20 x 10 mm"));
   ASSERT_EQ(runInShell(fmt::format("rm '{}'", file("wedge.obj"))).exit_status, 0);
@@ -246,7 +246,7 @@ TEST_F(RunCommand, AToolThatSomebodyDrewIsToldOfAndReplayedWithoutItsFile) {
 }
 
 TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
-  summaryOf("paper --unpaced --duration-s 1.5 --trace " + file("trace.csv"));
+  summaryOf("icra2021 --unpaced --duration-s 1.5 --trace " + file("trace.csv"));
   EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});
   const auto rows = readCsv(file("trace.csv"));
   ASSERT_EQ(rows.size(), 1501U);
@@ -256,12 +256,12 @@ TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
 
   const ProgramResult cut = runInShell(fmt::format("cut -d, -f1-8 '{}' > '{}'", file("trace.csv"), file("poses.csv")));
   ASSERT_EQ(cut.exit_status, 0);
-  const json replay = summaryOf("paper --unpaced --poses " + file("poses.csv"));
+  const json replay = summaryOf("icra2021 --unpaced --poses " + file("poses.csv"));
   EXPECT_EQ(replay["ended"], "end of the recorded movement");
 }
 
 TEST_F(RunCommand, FigureIsDrawn) {
-  summaryOf(fmt::format("paper --unpaced --duration-s 1 --figure {}", file("run.svg")));
+  summaryOf(fmt::format("icra2021 --unpaced --duration-s 1 --figure {}", file("run.svg")));
   std::ifstream in(file("run.svg"));
   const std::string svg{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   EXPECT_THAT(svg, HasSubstr("Force on the hand"));
@@ -292,8 +292,8 @@ TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
 }
 
 TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
-  const ProgramResult result = runInShell(
-      fmt::format("timeout --preserve-status -s INT 2 \"$HAPTOLITH\" run paper --json --trace {}", file("trace.csv")));
+  const ProgramResult result = runInShell(fmt::format(
+      "timeout --preserve-status -s INT 2 \"$HAPTOLITH\" run icra2021 --json --trace {}", file("trace.csv")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   const json summary = json::parse(result.output);
   EXPECT_EQ(summary["ended"], "stopped");
@@ -303,15 +303,15 @@ TEST_F(RunCommand, CtrlCEndsAnEndlessRunWithItsSummary) {
 
 TEST_F(RunCommand, CtrlCStillDrawsTheFigureAndPrintsTheSummary) {
   const ProgramResult result = runInShell(fmt::format(
-      "timeout --preserve-status -s INT 3 \"$HAPTOLITH\" run paper --no-serve --figure {}", file("run.svg")));
+      "timeout --preserve-status -s INT 3 \"$HAPTOLITH\" run icra2021 --no-serve --figure {}", file("run.svg")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("stopped"));
   EXPECT_EQ(files(), std::vector<std::string>{"run.svg"});
 }
 
 TEST_F(RunCommand, AClosedTerminalEndsARunAndItsTraceIsKept) {
-  const ProgramResult result = runInShell(
-      fmt::format("timeout --preserve-status -s HUP 2 \"$HAPTOLITH\" run paper --json --trace {}", file("trace.csv")));
+  const ProgramResult result = runInShell(fmt::format(
+      "timeout --preserve-status -s HUP 2 \"$HAPTOLITH\" run icra2021 --json --trace {}", file("trace.csv")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_EQ(readCsv(file("trace.csv")).size(), json::parse(result.output)["ticks"].get<std::size_t>() + 1);
 }
@@ -319,8 +319,8 @@ TEST_F(RunCommand, AClosedTerminalEndsARunAndItsTraceIsKept) {
 TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
   for (const char* signal : {"INT", "TERM"}) {
     const ProgramResult result = runInShell(fmt::format(
-        "timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run paper --duration-s 1000 --overwrite --trace {}", signal,
-        file("trace.csv")));
+        "timeout --preserve-status -s {} 2 \"$HAPTOLITH\" run icra2021 --duration-s 1000 --overwrite --trace {}",
+        signal, file("trace.csv")));
     EXPECT_EQ(result.exit_status, 1) << signal;
     EXPECT_THAT(result.errors, HasSubstr("interrupted after"));
     EXPECT_THAT(result.errors, HasSubstr("of 1000 s"));
@@ -332,7 +332,7 @@ TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
 TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
   // A file may not grow beyond 8 blocks of 1 KiB here; the signal for that is ignored, so that write() fails.
   const ProgramResult result = runInShell(fmt::format(
-      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run paper --unpaced --duration-s 60 --trace {}'",
+      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --unpaced --duration-s 60 --trace {}'",
       file("trace.csv")));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("cannot write"));
@@ -343,19 +343,19 @@ TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
 TEST_F(RunCommand, AnOldTraceStaysWhenTheNewOneFails) {
   writeFile("trace.csv", "precious\n");
   runInShell(fmt::format(
-      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run paper --unpaced --duration-s 60 --trace {}'",
+      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --unpaced --duration-s 60 --trace {}'",
       file("trace.csv")));
   EXPECT_EQ(readCsv(file("trace.csv"))[0][0], "precious");
 }
 
 TEST_F(RunCommand, FilesThatCannotBeWrittenAreRefusedAtOnce) {
-  const ProgramResult trace = runHaptolith("run paper --unpaced --duration-s 1000 --trace /no/such/folder/t.csv");
+  const ProgramResult trace = runHaptolith("run icra2021 --unpaced --duration-s 1000 --trace /no/such/folder/t.csv");
   EXPECT_EQ(trace.exit_status, 1);
   EXPECT_THAT(trace.errors, HasSubstr("/no/such/folder/t.csv"));
-  const ProgramResult figure = runHaptolith("run paper --unpaced --duration-s 1000 --figure " + file("run.gif"));
+  const ProgramResult figure = runHaptolith("run icra2021 --unpaced --duration-s 1000 --figure " + file("run.gif"));
   EXPECT_EQ(figure.exit_status, 2);
   EXPECT_THAT(figure.errors, HasSubstr(".svg or .png"));
-  const ProgramResult lost = runHaptolith("run paper --unpaced --duration-s 1000 --figure /no/such/folder/run.png");
+  const ProgramResult lost = runHaptolith("run icra2021 --unpaced --duration-s 1000 --figure /no/such/folder/run.png");
   EXPECT_EQ(lost.exit_status, 1);
 }
 
@@ -371,19 +371,19 @@ TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
                {"", "at least 2"}};
   for (const auto& [text, told] : cases) {
     writeFile("poses.csv", header + text);
-    const ProgramResult result = runHaptolith("run paper --unpaced --poses " + file("poses.csv"));
+    const ProgramResult result = runHaptolith("run icra2021 --unpaced --poses " + file("poses.csv"));
     EXPECT_EQ(result.exit_status, 2) << text;
     EXPECT_THAT(result.errors, HasSubstr(told));
     EXPECT_THAT(result.errors, HasSubstr("poses.csv"));
   }
-  EXPECT_EQ(runHaptolith("run paper --poses /no/such/poses.csv").exit_status, 2);
+  EXPECT_EQ(runHaptolith("run icra2021 --poses /no/such/poses.csv").exit_status, 2);
   writeFile("poses.csv", "");
-  EXPECT_EQ(runHaptolith("run paper --poses " + file("poses.csv")).exit_status, 2);
+  EXPECT_EQ(runHaptolith("run icra2021 --poses " + file("poses.csv")).exit_status, 2);
 }
 
 TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
   writeFile("poses.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n1,5,0,0.2,1,0,0,0\n");
-  const ProgramResult result = runHaptolith("run paper --unpaced --json --poses " + file("poses.csv"));
+  const ProgramResult result = runHaptolith("run icra2021 --unpaced --json --poses " + file("poses.csv"));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("the hand left the scene"));
   EXPECT_TRUE(json::accept(result.output)) << "the summary is printed all the same";
@@ -391,7 +391,7 @@ TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
 
 TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   for (const char* arguments :
-       {"--preset P9", "--soil none.toml", "--soil lhs-1 --preset P1", "--friction none", "--body Vulcan",
+       {"--preset P9", "--soil none.toml", "--soil lhs-1 --preset P1", "--friction-model none", "--body Vulcan",
         "--hand dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s nan", "--duration-s -1", "--threads 0",
         "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
     const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --unpaced ") + arguments);
@@ -407,29 +407,30 @@ TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
     for i in $(seq 100); do port=$(sed -nE "s|.*http://127.0.0.1:([0-9]+)/.*|\1|p" $0.log); [ "$port" ] && break; sleep 0.05; done
     exec 3<>/dev/tcp/127.0.0.1/$port; printf "GET / HTTP/1.0\r\nHost: localhost\r\n\r\n" >&3; cat <&3; kill -INT %1; wait)";
   const auto served = [&](const std::string& arguments) {
-    return runInShell("bash -c 'set -m; \"$HAPTOLITH\" run paper --port 0 " + arguments + ask + "' " + file("serve"));
+    return runInShell("bash -c 'set -m; \"$HAPTOLITH\" run icra2021 --port 0 " + arguments + ask + "' " +
+                      file("serve"));
   };
   const ProgramResult result = served("--hand still");
   EXPECT_THAT(result.output, HasSubstr("200 OK"));
   EXPECT_THAT(result.output, HasSubstr("<title>haptolith"));
   EXPECT_THAT(served("--json --unpaced --serve").output, HasSubstr("200 OK"));
 
-  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --json").errors, testing::Not(HasSubstr("http://")));
-  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --no-serve").errors, testing::Not(HasSubstr("http://")));
+  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --json").errors, testing::Not(HasSubstr("http://")));
+  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --no-serve").errors, testing::Not(HasSubstr("http://")));
 }
 
 TEST_F(RunCommand, BeyondThisMachineTheAddressHasAToken) {
-  const ProgramResult made_up = runHaptolith("run paper --duration-s 0.1 --port 0 --bind 0.0.0.0");
+  const ProgramResult made_up = runHaptolith("run icra2021 --duration-s 0.1 --port 0 --bind 0.0.0.0");
   EXPECT_THAT(made_up.errors, testing::ContainsRegex("http://[0-9.]+:[0-9]+/\\?token=[0-9a-f]{32}"));
-  const ProgramResult wrong = runHaptolith("run paper --duration-s 0.1 --bind everywhere");
+  const ProgramResult wrong = runHaptolith("run icra2021 --duration-s 0.1 --bind everywhere");
   EXPECT_EQ(wrong.exit_status, 2);
   EXPECT_THAT(wrong.errors, HasSubstr("bind = everywhere"));
-  EXPECT_EQ(runHaptolith("run paper --duration-s 0.1 --port 65536").exit_status, 2);
-  EXPECT_EQ(runHaptolith("run paper --duration-s 0.1 --serve --no-serve").exit_status, 2);
+  EXPECT_EQ(runHaptolith("run icra2021 --duration-s 0.1 --port 65536").exit_status, 2);
+  EXPECT_EQ(runHaptolith("run icra2021 --duration-s 0.1 --serve --no-serve").exit_status, 2);
 }
 
 TEST_F(RunCommand, ATokenMayBeGivenWhereNoListOfProcessesShowsIt) {
-  const std::string run = "\"$HAPTOLITH\" run paper --duration-s 0.1 --port 0 ";
+  const std::string run = "\"$HAPTOLITH\" run icra2021 --duration-s 0.1 --port 0 ";
   for (const std::string& command :
        {run + "--token dust_of_the-Moon0", "echo dust_of_the-Moon0 | " + run + "--token-file /dev/stdin",
         "HAPTOLITH_TOKEN=dust_of_the-Moon0 " + run}) {
@@ -452,12 +453,12 @@ TEST_F(RunCommand, ATokenMayBeGivenWhereNoListOfProcessesShowsIt) {
 }
 
 TEST_F(RunCommand, WhoMayOnlyLookOnIsNotInvitedToTouch) {
-  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --port 0 --read-only").errors,
+  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --port 0 --read-only").errors,
               HasSubstr("see it at http://127.0.0.1:"));
 }
 
 TEST_F(RunCommand, TellsHowLateItsTicksBegan) {
-  const json paced = summaryOf("paper --duration-s 0.2");
+  const json paced = summaryOf("icra2021 --duration-s 0.2");
   for (const char* key : {"mean", "p50", "p99", "p99_9", "max"}) {
     EXPECT_GT(paced["late_us"][key].get<double>(), 0) << key;
   }
@@ -466,33 +467,33 @@ TEST_F(RunCommand, TellsHowLateItsTicksBegan) {
     counted += count.get<std::uint64_t>();
   }
   EXPECT_EQ(counted, paced["ticks"]);
-  EXPECT_TRUE(summaryOf("paper --duration-s 0.2 --unpaced")["late_us"].is_null());
-  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --no-serve").output,
+  EXPECT_TRUE(summaryOf("icra2021 --duration-s 0.2 --unpaced")["late_us"].is_null());
+  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --no-serve").output,
               testing::ContainsRegex("\n  wake-up    p50 [0-9.]+  p99 [0-9.]+  p99.9 [0-9.]+  max [0-9.]+ us late\n"));
-  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --unpaced").output, testing::Not(HasSubstr("wake-up")));
+  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --unpaced").output, testing::Not(HasSubstr("wake-up")));
 }
 
 TEST_F(RunCommand, RunsOnTheCpuItIsTold) {
-  EXPECT_TRUE(summaryOf("paper --unpaced --duration-s 0.05")["realtime"]["cpu"].is_null());
-  EXPECT_EQ(summaryOf("paper --unpaced --duration-s 0.05 --cpu 0")["realtime"]["cpu"], 0);
-  EXPECT_THAT(runHaptolith("run paper --duration-s 0.1 --no-serve --cpu 0").output, HasSubstr(" on CPU 0, memory "));
+  EXPECT_TRUE(summaryOf("icra2021 --unpaced --duration-s 0.05")["realtime"]["cpu"].is_null());
+  EXPECT_EQ(summaryOf("icra2021 --unpaced --duration-s 0.05 --cpu 0")["realtime"]["cpu"], 0);
+  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --no-serve --cpu 0").output, HasSubstr(" on CPU 0, memory "));
   writeFile("pinned.toml", "[loop]\ncpu = 0\n");
   EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 " + file("pinned.toml"))["realtime"]["cpu"], 0);
   EXPECT_TRUE(summaryOf("--unpaced --duration-s 0.05 --cpu -1 " + file("pinned.toml"))["realtime"]["cpu"].is_null());
 
-  const ProgramResult none = runHaptolith("run paper --duration-s 0.1 --cpu 1023");
+  const ProgramResult none = runHaptolith("run icra2021 --duration-s 0.1 --cpu 1023");
   EXPECT_EQ(none.exit_status, 2);
   EXPECT_THAT(none.errors, HasSubstr("cpu = 1023 is not valid: must be -1 (any) or a CPU that this process may use: "));
 }
 
 TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
-  const ProgramResult refused = runInShell("HAPTOLITH_SIMD=MMX \"$HAPTOLITH\" run paper --duration-s 0.1 --json");
+  const ProgramResult refused = runInShell("HAPTOLITH_SIMD=MMX \"$HAPTOLITH\" run icra2021 --duration-s 0.1 --json");
   EXPECT_EQ(refused.exit_status, 2);
   ASSERT_THAT(refused.errors, HasSubstr("HAPTOLITH_SIMD = MMX is not valid: must be one of "));
   const std::string last = refused.errors.substr(0, refused.errors.find(" on this machine"));
   const std::string target = last.substr(last.find_last_of(' ') + 1);
   const ProgramResult result =
-      runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run paper --duration-s 0.1 --unpaced --json");
+      runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run icra2021 --duration-s 0.1 --unpaced --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_EQ(json::parse(result.output).at("simd"), target);
 }
@@ -521,7 +522,7 @@ TEST_F(RunCommand, ASceneLoadsNoLibrary) {
 TEST_F(RunCommand, PosesWithoutEndAreRefused) {
   fs::create_symlink("/dev/zero", file("zero.csv"));
   const ProgramResult result =
-      runHaptolith(fmt::format("run paper --poses '{}' --duration-s 0.05 --unpaced --no-serve", file("zero.csv")));
+      runHaptolith(fmt::format("run icra2021 --poses '{}' --duration-s 0.05 --unpaced --no-serve", file("zero.csv")));
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("zero.csv' is not valid: must be a file; it is a device"));
 }
@@ -533,7 +534,8 @@ TEST_F(RunCommand, ReplacesNoFileUnlessItIsAskedTo) {
   writeFile("mine.svg", "mine");
   for (const char* option : {"--trace", "--figure"}) {
     const std::string name = file(option == std::string("--trace") ? "mine.csv" : "mine.svg");
-    const std::string command = fmt::format("run paper --duration-s 0.02 --unpaced --no-serve {} '{}'", option, name);
+    const std::string command =
+        fmt::format("run icra2021 --duration-s 0.02 --unpaced --no-serve {} '{}'", option, name);
     const ProgramResult refused = runHaptolith(command);
     EXPECT_EQ(refused.exit_status, 1);
     EXPECT_THAT(refused.errors, HasSubstr("already exists: choose another name, or add --overwrite"));
@@ -553,12 +555,12 @@ TEST_F(RunCommand, NeverWritesOverTheSceneThatItRuns) {
 
 TEST_F(RunCommand, ARecordingIsNamedAsOneAndReplacesNothingElse) {
   const ProgramResult named =
-      runHaptolith(fmt::format("run paper --duration-s 0.02 --unpaced --no-serve --record '{}'", file("x.csv")));
+      runHaptolith(fmt::format("run icra2021 --duration-s 0.02 --unpaced --no-serve --record '{}'", file("x.csv")));
   EXPECT_EQ(named.exit_status, 2);
   EXPECT_THAT(named.errors, HasSubstr("a file name ending in .h5"));
   writeFile("notes.h5", "mine");
   const ProgramResult replaced = runHaptolith(
-      fmt::format("run paper --duration-s 0.02 --unpaced --no-serve --overwrite --record '{}'", file("notes.h5")));
+      fmt::format("run icra2021 --duration-s 0.02 --unpaced --no-serve --overwrite --record '{}'", file("notes.h5")));
   EXPECT_EQ(replaced.exit_status, 1);
   EXPECT_THAT(replaced.errors, HasSubstr("notes.h5: it is not a recording"));
   EXPECT_EQ(files(), std::vector<std::string>{"notes.h5"});

@@ -33,7 +33,7 @@ class SnapshotCommand : public testing::Test {
   /// Runs `haptolith snapshot ARGUMENTS --out FOLDER/NAME`; `settings` may be variables, as a shell takes them.
   [[nodiscard]] ProgramResult snapshot(const std::string& name, const std::string& arguments = "",
                                        const std::string& settings = "") const {
-    return runInShell(fmt::format("TMPDIR='{}' {} \"$HAPTOLITH\" snapshot paper {} --out '{}'", temporary_.string(),
+    return runInShell(fmt::format("TMPDIR='{}' {} \"$HAPTOLITH\" snapshot icra2021 {} --out '{}'", temporary_.string(),
                                   settings, arguments, (folder_ / name).string()));
   }
 
@@ -159,7 +159,7 @@ TEST_F(SnapshotCommand, AnInterruptedFilmLeavesNothingBehind) {
     GTEST_SKIP() << "no chromium or no ffmpeg, or instrumented code";
   }
   const ProgramResult result = runInShell(fmt::format(
-      "TMPDIR='{}' \"$HAPTOLITH\" snapshot paper --film --width 320 --height 240 --out '{}' & sleep 2; kill -INT "
+      "TMPDIR='{}' \"$HAPTOLITH\" snapshot icra2021 --film --width 320 --height 240 --out '{}' & sleep 2; kill -INT "
       "$!; wait $!",
       temporary_.string(), (folder_ / "film.mp4").string()));
   EXPECT_EQ(result.exit_status, 1);

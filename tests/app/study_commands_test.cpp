@@ -34,7 +34,7 @@ class StudyCommands : public testing::Test {
     return fmt::format("'{}'", (folder_ / name).string());
   }
 
-  void makeStudy(const std::string& protocol = "paper") const {
+  void makeStudy(const std::string& protocol = "icra2021") const {
     const ProgramResult made =
         runHaptolith(fmt::format("study new {} --protocol {} --seed 7", file("a.study"), protocol));
     ASSERT_EQ(made.exit_status, 0) << made.errors;
@@ -73,7 +73,7 @@ study.commit()
 // --------------------------------------------------------------------------------------------------------------
 
 TEST_F(StudyCommands, NewTellsWhatItHasMade) {
-  const ProgramResult made = runHaptolith(fmt::format("study new {} --protocol paper --seed 7", file("a.study")));
+  const ProgramResult made = runHaptolith(fmt::format("study new {} --protocol icra2021 --seed 7", file("a.study")));
   EXPECT_EQ(made.exit_status, 0) << made.errors;
   EXPECT_THAT(made.output,
               AllOf(HasSubstr("seed 7"), HasSubstr("5 levels against P3, 15 trials"), HasSubstr("gravity")));
@@ -83,7 +83,7 @@ TEST_F(StudyCommands, NewTellsWhatItHasMade) {
 
 TEST_F(StudyCommands, NewDrawsASeedThatDiffersFromTimeToTime) {
   const auto seed = [&](const std::string& name) {
-    EXPECT_EQ(runHaptolith(fmt::format("study new {} --protocol paper-gravity", file(name))).exit_status, 0);
+    EXPECT_EQ(runHaptolith(fmt::format("study new {} --protocol icra2021-gravity", file(name))).exit_status, 0);
     return Json::parse(runHaptolith(fmt::format("study status --json {}", file(name))).output)["seed"]
         .get<std::uint64_t>();
   };
@@ -195,18 +195,19 @@ TEST_F(StudyCommands, NewRefusesWhatIsWrongAndLeavesNoFile) {
   EXPECT_THAT(bad.errors, HasSubstr("bad.toml:8: [[block]] levels = [ 'P1' ] is not valid: must be two or more"));
   const ProgramResult unknown = runHaptolith(fmt::format("study new {} --protocol papr", file("a.study")));
   EXPECT_EQ(unknown.exit_status, 2);
-  EXPECT_THAT(unknown.errors, HasSubstr("paper-friction"));
-  EXPECT_EQ(
-      runHaptolith(fmt::format("study new {} --protocol paper --seed 9007199254740992", file("a.study"))).exit_status,
-      2);
-  EXPECT_EQ(runHaptolith(fmt::format("study new {} --protocol paper --seed -1", file("a.study"))).exit_status, 2);
+  EXPECT_THAT(unknown.errors, HasSubstr("icra2021-friction"));
+  EXPECT_EQ(runHaptolith(fmt::format("study new {} --protocol icra2021 --seed 9007199254740992", file("a.study")))
+                .exit_status,
+            2);
+  EXPECT_EQ(runHaptolith(fmt::format("study new {} --protocol icra2021 --seed -1", file("a.study"))).exit_status, 2);
   EXPECT_EQ(runHaptolith(fmt::format("study new {}", file("a.study"))).exit_status, 2);
   EXPECT_FALSE(fs::exists(folder_ / "a.study"));
 }
 
 TEST_F(StudyCommands, WriteNoFileOfTheNameOfStandardOutput) {
   makeStudy();
-  for (const std::string& command : {std::string("new - --protocol paper"), "export " + file("a.study") + " --to -"}) {
+  for (const std::string& command :
+       {std::string("new - --protocol icra2021"), "export " + file("a.study") + " --to -"}) {
     const ProgramResult refused = runHaptolith("study " + command);
     EXPECT_EQ(refused.exit_status, 2) << command;
     EXPECT_THAT(refused.errors, HasSubstr("must be a file name")) << command;
@@ -216,7 +217,7 @@ TEST_F(StudyCommands, WriteNoFileOfTheNameOfStandardOutput) {
 TEST_F(StudyCommands, NewNeverOverwritesAStudy) {
   makeStudy();
   const std::string before = read("a.study");
-  const ProgramResult again = runHaptolith(fmt::format("study new {} --protocol paper", file("a.study")));
+  const ProgramResult again = runHaptolith(fmt::format("study new {} --protocol icra2021", file("a.study")));
   EXPECT_EQ(again.exit_status, 1);
   EXPECT_THAT(again.errors, HasSubstr("already exists"));
   EXPECT_EQ(read("a.study"), before);
@@ -252,7 +253,7 @@ TEST_F(StudyCommands, StatusAsJsonHasAnswersByLevel) {
 }
 
 TEST_F(StudyCommands, StatusTellsWhatSimulatedThem) {
-  makeStudy("paper-friction");
+  makeStudy("icra2021-friction");
   const auto simulate = [&] {
     return runHaptolith(fmt::format("study simulate {} --participants 1 --weber 0.25 --lapse 0.02", file("a.study")));
   };

@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const std::string kQuick = "study explore --block friction --friction paper --hand stir --repeats 2 --rounds 1";
+const std::string kQuick =
+    "study explore --block friction --friction-model icra2021 --hand stir --repeats 2 --rounds 1";
 
 class StudyExploreCommand : public testing::Test {
  protected:

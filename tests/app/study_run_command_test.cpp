@@ -42,7 +42,7 @@ class StudyRunCommands : public testing::Test {
   ~StudyRunCommands() override { fs::remove_all(folder_); }
 
   [[nodiscard]] std::string file(const std::string& name) const { return (folder_ / name).string(); }
-  void makeStudy(const std::string& protocol = "paper-friction") const {
+  void makeStudy(const std::string& protocol = "icra2021-friction") const {
     ASSERT_EQ(runHaptolith(fmt::format("study new {} --protocol {} --seed 7", file("a.study"), protocol)).exit_status,
               0);
   }
@@ -95,7 +95,7 @@ class RunningStudy : public StudyRunCommands {
   }
 
   void start(const std::string& arguments = "", const std::string& environment = "",
-             const std::string& protocol = "paper") {
+             const std::string& protocol = "icra2021") {
     makeStudy(protocol);
     program_ = std::thread(
         [command = fmt::format("{} \"$HAPTOLITH\" study run {} --trial-run --port 0 {} > {} 2> {} & echo $! > {}; wait",
@@ -194,7 +194,7 @@ body = "Ceres"
       continue;
     }
     Json told = Json::parse(*message);
-    for (const char* name : {"P1", "P2", "P3", "P6", "Ceres", "Moon", "lunar", "paper"}) {
+    for (const char* name : {"P1", "P2", "P3", "P6", "Ceres", "Moon", "lunar", "icra2021"}) {
       EXPECT_THAT(*message, testing::Not(HasSubstr(fmt::format("\"{}\"", name))));
     }
     for (const char* running : {"time_s", "tick_us", "rate_hz", "remaining_s"}) {  // any number, also a stimulus's
@@ -223,7 +223,7 @@ between_trials_s = 0
 task = "press"
 felt = "model"
 round_trip_s = 0.2
-site = "paper"
+site = "icra2021"
 [[block]]
 name = "unfelt"
 interval_s = 4
@@ -233,7 +233,7 @@ between_trials_s = 0
 task = "press"
 felt = "none"
 round_trip_s = 0.2
-site = "paper"
+site = "icra2021"
 )";
 
 /// The rows of a table without quotes, by their columns.
@@ -295,7 +295,7 @@ TEST_F(RunningStudy, ARobotBehindALinkFollowsInEachTrialAndIsMeasured) {
 
 TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
   // In soil of the Moon: a bed of 256 particles is too thin for a model to detect a completed press.
-  const std::string on_the_moon = std::regex_replace(std::string(kPresses), std::regex("site = \"paper\"\n"), "");
+  const std::string on_the_moon = std::regex_replace(std::string(kPresses), std::regex("site = \"icra2021\"\n"), "");
   std::ofstream(file("press.toml")) << "scene = \"dig\"\n"
                                     << std::regex_replace(on_the_moon, std::regex("interval_s = 4"), "interval_s = 60");
   makeStudy(file("press.toml"));
@@ -406,7 +406,7 @@ TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
 }
 
 TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) {
-  makeStudy("paper");
+  makeStudy("icra2021");
   const ProgramResult simulated = runHaptolith("study simulate --participants 30 --weber 0.29 " + file("a.study"));
   EXPECT_EQ(simulated.exit_status, 0) << simulated.errors;
   EXPECT_THAT(simulated.output, HasSubstr("900 counted responses"));

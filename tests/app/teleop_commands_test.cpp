@@ -62,7 +62,7 @@ TEST(TeleopCommands, TheBenchComparesAndKeepsItsFiles) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("haptolith-bench-" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
-  const std::string bench = "teleop bench --model paper --site paper --duration-s 3 --round-trip-s 0.4,1 --csv " +
+  const std::string bench = "teleop bench --model icra2021 --site icra2021 --duration-s 3 --round-trip-s 0.4,1 --csv " +
                             (folder / "force.csv").string() + " --figure " + (folder / "force.svg").string();
   const ProgramResult result = runHaptolith(bench + " --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
@@ -88,10 +88,10 @@ TEST(TeleopCommands, AnOperatorLeadsARobotInAnotherProgram) {
   const std::filesystem::path script =
       std::filesystem::path(testing::TempDir()) / ("haptolith-lead-" + std::to_string(getpid()) + ".py");
   std::ofstream(script) << R"(import json, subprocess, sys
-robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'paper', '--listen', '127.0.0.1:0', '--duration-s', '20',
+robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'icra2021', '--listen', '127.0.0.1:0', '--duration-s', '20',
                           '--json'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
-lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'paper', '--hand', 'still', '--to', '127.0.0.1:' + port,
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'icra2021', '--hand', 'still', '--to', '127.0.0.1:' + port,
                        '--duration-s', '3', '--json'], capture_output=True, text=True)
 robot.send_signal(2)
 print(json.dumps({'lead': json.loads(lead.stdout), 'robot': json.loads(robot.communicate()[0])}))
@@ -154,27 +154,27 @@ print(json.dumps({'reports': len(reports),
   EXPECT_GT(sides["reports"].get<int>(), 300) << "50 a second";
   EXPECT_LT(sides["furthest_m"].get<double>(), 3e-3) << "of the robot's tool from the operator's at the same tick";
   EXPECT_GT(sides["earliest_s"].get<double>(), -1e-9) << "none is heard before its command";
-  const std::string paper = (folder / "paper.h5").string();
-  ASSERT_EQ(runHaptolith("run paper --no-serve --unpaced --duration-s 0.05 --record " + paper).exit_status, 0);
-  const ProgramResult none = runHaptolith("export " + paper + " --format robot-csv");
+  const std::string recording = (folder / "icra2021.h5").string();
+  ASSERT_EQ(runHaptolith("run icra2021 --no-serve --unpaced --duration-s 0.05 --record " + recording).exit_status, 0);
+  const ProgramResult none = runHaptolith("export " + recording + " --format robot-csv");
   EXPECT_EQ(none.exit_status, 1);
   EXPECT_THAT(none.errors, HasSubstr("no reports of a robot"));
   std::filesystem::remove_all(folder);
 
   const ProgramResult refused =
-      runHaptolith("teleop operator paper --learn --to 127.0.0.1:7410 --duration-s 1 --no-serve");
+      runHaptolith("teleop operator icra2021 --learn --to 127.0.0.1:7410 --duration-s 1 --no-serve");
   EXPECT_EQ(refused.exit_status, 2);
   EXPECT_THAT(refused.errors, HasSubstr("contact"));
 }
 
 TEST(TeleopCommands, BothEndsStayOnThisMachineWithoutAKey) {
-  const ProgramResult remote = runHaptolith("teleop remote paper --listen 0.0.0.0:7410 --duration-s 1");
+  const ProgramResult remote = runHaptolith("teleop remote icra2021 --listen 0.0.0.0:7410 --duration-s 1");
   EXPECT_EQ(remote.exit_status, 2);
   EXPECT_THAT(remote.errors, AllOf(HasSubstr("0.0.0.0:7410"), HasSubstr("--key-file")));
-  const ProgramResult lead = runHaptolith("teleop operator paper --to 192.0.2.1:7410 --duration-s 1 --no-serve");
+  const ProgramResult lead = runHaptolith("teleop operator icra2021 --to 192.0.2.1:7410 --duration-s 1 --no-serve");
   EXPECT_EQ(lead.exit_status, 2);
   EXPECT_THAT(lead.errors, AllOf(HasSubstr("192.0.2.1:7410"), HasSubstr("--key-file")));
-  EXPECT_THAT(runHaptolith("teleop operator paper").errors, HasSubstr("--to"));
+  EXPECT_THAT(runHaptolith("teleop operator icra2021").errors, HasSubstr("--to"));
 }
 
 TEST(TeleopCommands, AHandThatLetsGoHasNoTaskAndFeelsAModel) {

@@ -236,8 +236,8 @@ TEST(SettledStart, IsAnotherBedForAnotherSeed) {
   EXPECT_NE(stateHash(Bed(parameters).state()), stateHash(one.state()));
 }
 
-TEST(SettledStart, LiesStillUnderThePapersFriction) {
-  const BedParameters parameters = settledBed(FrictionModel::kPaper);
+TEST(SettledStart, LiesStillUnderIcra2021Friction) {
+  const BedParameters parameters = settledBed(FrictionModel::kIcra2021);
   Bed bed(parameters);
   bed.wake(0);
   for (int i = 0; i < 200; ++i) {

@@ -268,7 +268,7 @@ TEST(ContactFrictionBed, ACollidingCloudKeepsItsMomentum) {
 }
 
 TEST(ContactFrictionBed, MovesTheSameWhenEverythingMovesAlong) {
-  // With the paper's friction the second clump would be braked. Here only floats differ: on their way of 0.5 m
+  // With ICRA 2021 friction the second clump would be braked. Here only floats differ: on their way of 0.5 m
   // positions are rounded by up to 1.5e-8 m a step. A steady velocity is rounded the same way each time, so the clump
   // as a whole may lag by 2000 times that, 3e-5 m; against each other contacts hold the particles, and what is left is
   // at random: 1.5e-8 m sqrt(2000) = 7e-7 m, and as much again in the velocities times 1 ms, the time a contact takes
@@ -512,7 +512,7 @@ TEST(ContactFrictionBed, GoesOnOnlyFromAStateThatIsOne) {
     damage(state);
     EXPECT_THROW(bed.restore(state), InvalidParameter);
   }
-  EXPECT_THROW(bed.restore(Bed(BedParameters{}).state()), InvalidParameter) << "a bed with the paper's friction";
+  EXPECT_THROW(bed.restore(Bed(BedParameters{}).state()), InvalidParameter) << "a bed with ICRA 2021 friction";
   EXPECT_EQ(stateHash(bed.state()), stateHash(good));
   EXPECT_EQ(bed.step(1e-4), StepStatus::kOk);
 

@@ -156,7 +156,7 @@ void expectTheReference(Crowd& crowd) {
     largest = std::max(largest, expected[i].compression_n);
   }
   ASSERT_GT(largest, 0);
-  // As in the paper's kernel: 1e-5 of the largest sum of contact forces is what float may leave.
+  // As in the kernel of icra2021: 1e-5 of the largest sum of contact forces is what float may leave.
   const double tolerance = 1e-5 * largest;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     EXPECT_LT((Vec3(sums[i].force_x_n, sums[i].force_y_n, sums[i].force_z_n) - expected[i].force_n).norm(), tolerance);

@@ -1,4 +1,4 @@
-// The undisturbed scene of the paper with contact friction: no creep, and energy only decreases.
+// The undisturbed scene icra2021 with contact friction: no creep, and energy only decreases.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace haptolith {
 namespace {
 
-BedParameters papersScene() {
+BedParameters icra2021Scene() {
   BedParameters bed;
   bed.soil.friction = FrictionModel::kContact;
   bed.soil.contact_friction = 0.5;
@@ -47,7 +47,7 @@ double largestRise(Bed& bed, double duration_s) {
 constexpr double kRounding_j = 1e-8;
 
 TEST(ContactFrictionRest, ThePapersSceneIsAtRestAfterFiveSecondsAndDoesNotCreep) {
-  Bed bed(papersScene());
+  Bed bed(icra2021Scene());
   EXPECT_LT(largestRise(bed, 5), kRounding_j);
   EXPECT_LT(bed.largestSpeed(), 1e-5);
   const BedState before = bed.state();
@@ -63,13 +63,13 @@ TEST(ContactFrictionRest, ThePapersSceneIsAtRestAfterFiveSecondsAndDoesNotCreep)
 }
 
 TEST(ContactFrictionRest, EnergyDoesNotGrowInTwentySecondsAtRest) {
-  Bed bed(papersScene());
+  Bed bed(icra2021Scene());
   (void)largestRise(bed, 5);
   EXPECT_LT(largestRise(bed, 20), kRounding_j);
 }
 
 TEST(ContactFrictionRest, RainLosesEnergyAllTheWayDown) {
-  BedParameters parameters = papersScene();
+  BedParameters parameters = icra2021Scene();
   parameters.start = BedStart::kRain;
   parameters.particles = 150;
   parameters.soil.size_spread = 0.1;
@@ -86,7 +86,7 @@ TEST(ContactFrictionRest, RainLosesEnergyAllTheWayDown) {
 // the largest rise is 1e-13 J, and what rounding could do (above) does not show.
 //   build/release/tests/bed/test_bed --gtest_also_run_disabled_tests --gtest_filter='*TenMinutes*'
 TEST(ContactFrictionRest, DISABLED_EnergyDoesNotGrowInTenMinutesAtRest) {
-  Bed bed(papersScene());
+  Bed bed(icra2021Scene());
   (void)largestRise(bed, 5);
   const double before = bed.energy();
   const double rise = largestRise(bed, 600);

@@ -11,7 +11,7 @@
 namespace haptolith {
 namespace {
 
-TEST(CriticalStep, WithThePapersFrictionItIsTheFrequencyOfAParticleBetweenItsNeighboursTheWallAndTheTool) {
+TEST(CriticalStep, WithIcra2021FrictionItIsTheFrequencyOfAParticleBetweenItsNeighboursTheWallAndTheTool) {
   // P4: m = 4 sqrt(2) * 1360 * 0.007^3 = 2.63881e-3 kg; (10 * 100 + 500) / m = 5.6844e5 1/s^2; its root 753.95 rad/s.
   EXPECT_NEAR(stepsPerSecond(findPreset("P4").soil, 500), 753.95, 0.01);
   EXPECT_NEAR(stepsPerSecond(findPreset("P4").soil, 0), 615.60, 0.01);

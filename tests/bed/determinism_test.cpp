@@ -165,8 +165,9 @@ TEST_P(RowsThatAreLeftOut, HoldNobodyWhoTouches) {
   });
 }
 INSTANTIATE_TEST_SUITE_P(Determinism, RowsThatAreLeftOut,
-                         testing::Values(FrictionModel::kPaper, FrictionModel::kContact),
-                         [](const auto& test) { return test.param == FrictionModel::kPaper ? "Paper" : "Contact"; });
+                         testing::Values(FrictionModel::kIcra2021, FrictionModel::kContact), [](const auto& test) {
+                           return test.param == FrictionModel::kIcra2021 ? "Icra2021" : "Contact";
+                         });
 
 TEST(Determinism, RainDependsOnTheSeedAndOnNothingElse) {
   BedParameters parameters;

@@ -113,9 +113,9 @@ TEST(GivenStart, RefusesWhatCannotBe) {
   BedParameters all_held = givenOf({{0, 0, 0.01F, 0}});
   all_held.given.held = 1;
   EXPECT_THROW(Bed{all_held}, InvalidParameter);
-  BedParameters paper = givenOf({{0, 0, 0.01F, 0.0001F}});
-  paper.soil.friction = FrictionModel::kPaper;
-  EXPECT_THROW(Bed{paper}, InvalidParameter) << "the paper's grains are all alike";
+  BedParameters icra2021 = givenOf({{0, 0, 0.01F, 0.0001F}});
+  icra2021.soil.friction = FrictionModel::kIcra2021;
+  EXPECT_THROW(Bed{icra2021}, InvalidParameter) << "the paper's grains are all alike";
 }
 
 std::string refusalOf(const BedParameters& bed) {

@@ -277,7 +277,7 @@ TEST(GradedBed, RefusesWhatIsNoChainOfHalvesOrDoesNotFit) {
   EXPECT_NE(refused([](BedParameters& b) { b.grading.fine_width_m = 0.2; }).find("fine_width_m"), std::string::npos);
   EXPECT_NE(refused([](BedParameters& b) { b.grading.fine_x_m = 0.05; }).find("fine_width_m"), std::string::npos);
   EXPECT_NE(refused([](BedParameters& b) { b.grading.fine_depth_m = 0; }).find("fine_depth_m"), std::string::npos);
-  EXPECT_NE(refused([](BedParameters& b) { b.soil.friction = FrictionModel::kPaper; }).find("friction"),
+  EXPECT_NE(refused([](BedParameters& b) { b.soil.friction = FrictionModel::kIcra2021; }).find("friction"),
             std::string::npos);
 }
 

@@ -543,8 +543,8 @@ TEST(Stones, AreRefusedWhereTheyCannotBe) {
     return "taken";
   };
   BedParameters bed = soilWithStones();
-  bed.soil.friction = FrictionModel::kPaper;
-  EXPECT_THAT(refusal(bed), HasSubstr("friction = \"contact\""));
+  bed.soil.friction = FrictionModel::kIcra2021;
+  EXPECT_THAT(refusal(bed), HasSubstr("friction_model = \"contact\""));
   bed = soilWithStones();
   bed.stones.placed[0].x_m = 0.095;
   EXPECT_THAT(refusal(bed), HasSubstr("completely in the box"));

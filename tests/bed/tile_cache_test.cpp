@@ -146,7 +146,7 @@ TEST_F(TileCache, KeyHoldsAllThatATileDependsOnAndNothingElse) {
   EXPECT_TRUE(differs([](BedParameters& b) { b.depth_m *= 1.001; }));
   EXPECT_TRUE(differs([](BedParameters& b) { b.gravity_m_s2 *= 1.001; }));
   EXPECT_TRUE(differs([](BedParameters& b) { b.tick_s *= 0.5; }));
-  EXPECT_TRUE(differs([](BedParameters& b) { b.soil.friction = FrictionModel::kPaper; }));
+  EXPECT_TRUE(differs([](BedParameters& b) { b.soil.friction = FrictionModel::kIcra2021; }));
   for (const SoilNumber& number : kSoilNumbers) {
     const auto change = [&](BedParameters& b) { b.soil.*number.member = 1.001 * b.soil.*number.member + 1e-4; };
     EXPECT_TRUE(differs(change)) << number.key;

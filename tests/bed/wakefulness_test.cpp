@@ -245,7 +245,7 @@ TEST(BedCheck, AStirredBedKeepsWhatTheStepReliesOn) {
       for (int k = 0; k < (round % 3 == 2 ? 1200 : 100); ++k) {
         ASSERT_EQ(bed.step(2.5e-4), StepStatus::kOk);
       }
-      ASSERT_EQ(inconsistency(bed.state()), "") << "round " << round << (contact ? ", contact" : ", paper's");
+      ASSERT_EQ(inconsistency(bed.state()), "") << "round " << round << (contact ? ", contact" : ", icra2021");
       least_awake = std::min(least_awake, bed.awake());
     }
     EXPECT_LT(least_awake, bed.particles()) << "some of it slept";

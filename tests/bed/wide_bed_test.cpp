@@ -35,7 +35,7 @@ double gone(double width_m, FrictionModel friction, double speed_m_s, int steps)
 }
 
 TEST(WideBed, WhatCreepsTwoMetresFromTheMiddleGetsOn) {
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
+  for (const FrictionModel friction : {FrictionModel::kIcra2021, FrictionModel::kContact}) {
     for (const double speed_m_s : {3e-4, -3e-4, 1e-5, 1e-6}) {  // a position there is known to 2.4e-7 m
       EXPECT_NEAR(gone(4.2, friction, speed_m_s, 3000), speed_m_s, 2.4e-7) << speed_m_s;
     }

@@ -12,7 +12,7 @@ namespace haptolith::library {
 namespace {
 
 TEST(LibraryAtOneKilohertz, AllocatesNothing) {
-  for (const char* toml : {kPaper, kContact}) {
+  for (const char* toml : {kIcra2021, kContact}) {
     const ScenePtr scene = sceneOf(toml);
     ASSERT_GT(allocations, 0) << "the library's own are not counted: this test sees nothing";
     const long before = allocations;

@@ -18,8 +18,8 @@ TEST(LibraryBatch, GivesTheBitsOfOneByOne) {
   std::vector<hapto_pose> poses;
   for (int i = 0; i < kScenes; ++i) {
     const std::string seed = "bed.seed=" + std::to_string(i + 1);
-    together.push_back(sceneOf(i % 2 == 0 ? kPaper : kContact, {seed.c_str()}));
-    apart.push_back(sceneOf(i % 2 == 0 ? kPaper : kContact, {seed.c_str()}));
+    together.push_back(sceneOf(i % 2 == 0 ? kIcra2021 : kContact, {seed.c_str()}));
+    apart.push_back(sceneOf(i % 2 == 0 ? kIcra2021 : kContact, {seed.c_str()}));
     handles.push_back(together.back().get());
     for (int t = 0; t < kTicks; ++t) {
       poses.push_back(stirring(t + 40 * i));
@@ -45,8 +45,8 @@ TEST(LibraryBatch, GivesTheBitsOfOneByOne) {
 }
 
 TEST(LibraryBatch, TellsWhichSceneFailed) {
-  const ScenePtr a = sceneOf(kPaper);
-  const ScenePtr b = sceneOf(kPaper);
+  const ScenePtr a = sceneOf(kIcra2021);
+  const ScenePtr b = sceneOf(kIcra2021);
   hapto_scene* handles[]{a.get(), b.get()};
   hapto_batch* made = nullptr;
   expectOk(hapto_batch_create(handles, 2, 2, &made));
@@ -60,7 +60,7 @@ TEST(LibraryBatch, TellsWhichSceneFailed) {
 }
 
 TEST(LibraryBatch, RefusesOneSceneTwice) {
-  const ScenePtr a = sceneOf(kPaper);
+  const ScenePtr a = sceneOf(kIcra2021);
   hapto_scene* handles[]{a.get(), a.get()};
   hapto_batch* made = nullptr;
   EXPECT_EQ(hapto_batch_create(handles, 2, 2, &made), HAPTO_INVALID_PARAMETER);

@@ -86,7 +86,7 @@ class ScriptedDevice final : public chai3d::cGenericHapticDevice {
 
 /// A scene, and a world with its bed and its tool.
 struct Rig {
-  explicit Rig(ScenePtr of = sceneOf(kPaper))
+  explicit Rig(ScenePtr of = sceneOf(kIcra2021))
       : scene(std::move(of)),
         bed(new cHaptolithBed(scene.get())),
         tool(new cHaptolithTool(&world, *bed)),
@@ -182,7 +182,7 @@ TEST(Chai3dTool, FeelsTheSameBitsAsTheCInterface) {
 }
 
 TEST(Chai3dTool, FeelsTheSameWhereverBedAndToolStandInTheWorld) {
-  const ScenePtr in_c = sceneOf(kPaper);
+  const ScenePtr in_c = sceneOf(kIcra2021);
   Rig rig;
   const auto way = digging(rig.surface(), 250);
   const auto felt = steppedInC(in_c.get(), way);
@@ -429,7 +429,7 @@ TEST(Chai3dTool, HasTheSafetyLayerUnlessItIsSwitchedOff) {
 
 TEST(Chai3dTool, ShowsWhatTheSafetyLayerOfTheCInterfaceShows) {
   Rig rig;
-  const ScenePtr in_c = sceneOf(kPaper);
+  const ScenePtr in_c = sceneOf(kIcra2021);
   hapto_device_limits limits = hapto::limitsOf(rig.device->m_specifications);
   limits.simulated = 1;
   limits.max_force_n = 4;
@@ -590,7 +590,7 @@ TEST(Chai3dTool, LetsGoOfWhatNoHandDoesAndSaysWhy) {
 }
 
 TEST(Chai3dTool, IsPutWhereTheHandIsAgainWithoutASweepThroughTheSoil) {
-  const ScenePtr in_c = sceneOf(kPaper);
+  const ScenePtr in_c = sceneOf(kIcra2021);
   Rig rig;
   rig.tool->setUseSafety(false);
   rig.tool->setUseDeviceVelocity(false);
@@ -705,7 +705,7 @@ TEST(Chai3dTool, IsNoHarmWhateverIsDeletedFirst) {
   for (const char* order : {"sbt", "stb", "bst", "bts", "tsb", "tbs"}) {
     for (const bool safety : {true, false}) {
       chai3d::cWorld world;
-      hapto_scene* scene = sceneOf(kPaper).release();
+      hapto_scene* scene = sceneOf(kIcra2021).release();
       auto* bed = new cHaptolithBed(scene);
       auto* tool = new cHaptolithTool(&world, *bed);
       auto device = std::make_shared<ScriptedDevice>();
@@ -762,7 +762,7 @@ TEST(Chai3dTool, IsNoHarmWhateverIsDeletedFirst) {
 }
 
 TEST(Chai3dTool, LeavesAWholeToolBehind) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   {
     chai3d::cWorld world;
     cHaptolithBed bed(scene.get());
@@ -861,7 +861,7 @@ TEST(Chai3dLoop, RunsOnAThreadOfItsOwnAndEndsWithoutForce) {
 }
 
 TEST(Chai3dLoop, IsNoneWithoutADeviceOrAScene) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   EXPECT_EQ(cHaptolithLoop(scene.get(), nullptr).getStatus(), HAPTO_NULL);
   cHaptolithLoop no_scene(nullptr, std::make_shared<ScriptedDevice>());
   EXPECT_NE(no_scene.getStatus(), HAPTO_OK);

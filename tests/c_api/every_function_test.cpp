@@ -179,11 +179,11 @@ const std::set<std::string> kWithoutHandle{"hapto_version",
 
 Handles alive(hapto_scene** loops_scene) {
   Handles h;
-  h.scene = sceneOf(kPaper).release();
+  h.scene = sceneOf(kIcra2021).release();
   expectOk(hapto_batch_create(&h.scene, 1, 1, &h.batch));
   expectOk(hapto_soil_find("dry-sand", &h.soil));
   expectOk(hapto_soil_profile(h.soil, 1, 0.1, &h.result));
-  *loops_scene = sceneOf(kPaper, {"loop.paced=false"}).release();
+  *loops_scene = sceneOf(kIcra2021, {"loop.paced=false"}).release();
   expectOk(hapto_loop_create(*loops_scene, nullptr, HAPTO_LOOP_TICKED_BY_CALLER | HAPTO_LOOP_KEEPS_TICKS, &h.loop));
   const hapto_device_limits limits = [] {
     hapto_device_limits made{};
@@ -342,7 +342,7 @@ TEST(EveryFunction, ASceneInUseIsBusy) {
     std::int32_t status = -1;
   };
   // A device that uses its loop's scene.
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   Inside inside{scene.get()};
   hapto_device device{};
   device.size = sizeof device;
@@ -364,7 +364,7 @@ TEST(EveryFunction, ASceneInUseIsBusy) {
 }
 
 TEST(EveryFunction, ManyThreadsMeetAndNobodyCrashes) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   std::vector<std::thread> threads;
   std::atomic<int> ok{0};
   std::atomic<int> busy{0};

@@ -41,7 +41,7 @@ struct Guarded {
 };
 
 TEST(FirstVersion, StepsAScene) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   EXPECT_GT(stir(scene.get(), 0, 600), 1);
   Guarded<hapto_scene_info> info;
   expectOk(hapto_scene_get_info(scene.get(), &info.value));
@@ -62,7 +62,7 @@ TEST(FirstVersion, StepsAScene) {
 
 TEST(FirstVersion, HasALoopWithADeviceOfItsOwnAndRecordsIt) {
   const fs::path file = fs::path(testing::TempDir()) / ("haptolith_first_version_" + std::to_string(getpid()) + ".h5");
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   own.height_m = -0.1;
   const hapto_device device = own.handle(true);

@@ -38,7 +38,7 @@ TEST(Frames, EachWrenchOfALoopHasItsOwnWhicheverWayTheDeviceIsTurned) {
   for (const int mapping_deg : {0, 90, 180}) {
     for (const double device_rad : {0.0, -kQuarter_rad}) {
       SCOPED_TRACE(testing::Message() << mapping_deg << " degrees, the device's own " << device_rad);
-      const ScenePtr scene = sceneOf(kPaper, {kZeroInSoil, turned(mapping_deg).c_str()});
+      const ScenePtr scene = sceneOf(kIcra2021, {kZeroInSoil, turned(mapping_deg).c_str()});
       SweepingDevice hand{.sweep = {.turn_rad = mapping_deg * std::numbers::pi / 180 + device_rad},
                           .device_turn_rad = device_rad};
       const hapto_device device = hand.handle();
@@ -78,7 +78,7 @@ class SweepingHand final : public hapto::Device {
 };
 
 TEST(Frames, AreTheSameInCpp) {
-  hapto::Scene scene = hapto::Scene::fromToml(kPaper, {kZeroInSoil, turned(90)});
+  hapto::Scene scene = hapto::Scene::fromToml(kIcra2021, {kZeroInSoil, turned(90)});
   SweepingHand hand(kQuarter_rad);
   hapto::Loop loop(scene, hand, hapto::Loop::Ticked::kByCaller, hapto::Loop::Ticks::kKept);
   while (hand.reads_ < 480) {
@@ -102,7 +102,8 @@ TEST(Frames, OfAForceDimensionDeviceAreAQuarterTurnApart) {
     SCOPED_TRACE(mapping_deg);
     const Sweep sweep{.turn_rad = mapping_deg * std::numbers::pi / 180 - kQuarter_rad,
                       .rests_s = 4.5};  // with soft start and all, as a person's hand has it
-    const ScenePtr scene = sceneOf(kPaper, {kZeroInSoil, turned(mapping_deg).c_str(), "device.kind=force-dimension"});
+    const ScenePtr scene =
+        sceneOf(kIcra2021, {kZeroInSoil, turned(mapping_deg).c_str(), "device.kind=force-dimension"});
     stand_in.position_m = sweep.position(0);
     stand_in.velocity_m_s = {};
     hapto_loop* made = nullptr;

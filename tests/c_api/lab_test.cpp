@@ -81,8 +81,10 @@ TEST(LibraryLab, WrongOptionsSayWhatWouldBeRight) {
   EXPECT_EQ(asked("free-fall", "fall_m = 99"), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(asked("free-fall", "threads = 0"), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(asked("free-fall", "body = 'Vulcan'"), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(asked("free-fall", "friction = 'none'"), HAPTO_INVALID_PARAMETER);
-  EXPECT_STREQ(lastError().valid, "paper or contact");
+  EXPECT_EQ(asked("free-fall", "friction_model = 'none'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_STREQ(lastError().valid, "icra2021 or contact");
+  EXPECT_EQ(asked("fall", "friction = 'none'"), HAPTO_INVALID_PARAMETER);
+  EXPECT_STREQ(lastError().key, "friction_model") << "friction is the name of earlier versions";
   EXPECT_EQ(asked("free-fall", "[fall]"), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(asked("free-fall", "= 3"), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(asked("shear", "normal_pa = [1, 'two']"), HAPTO_INVALID_PARAMETER);

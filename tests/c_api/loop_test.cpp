@@ -31,7 +31,7 @@ LoopPtr loopOf(hapto_scene* scene, const hapto_device* device, bool ticked_by_ca
 constexpr double kInSoil_m = -0.1;
 
 TEST(LibraryLoop, AnOwnDeviceFeelsTheSoilInALoopOfItsOwn) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   own.height_m = kInSoil_m;
   const hapto_device device = own.handle(true);
@@ -57,7 +57,7 @@ TEST(LibraryLoop, AnOwnDeviceFeelsTheSoilInALoopOfItsOwn) {
 }
 
 TEST(LibraryLoop, APersonsHandIsProtected) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   own.height_m = 0.02;
   const hapto_device device = own.handle(false);
@@ -92,7 +92,7 @@ TEST(LibraryLoop, APersonsHandIsProtected) {
 }
 
 TEST(LibraryLoop, RunsOnAThreadOfItsOwnAndIsWatchedAndChanged) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   own.height_m = kInSoil_m;
   const hapto_device device = own.handle(true);
@@ -131,7 +131,7 @@ TEST(LibraryLoop, RunsOnAThreadOfItsOwnAndIsWatchedAndChanged) {
 }
 
 TEST(LibraryLoop, TicksAreKeptForWhoeverAsksForThem) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   own.height_m = kInSoil_m;
   const hapto_device device = own.handle(true);
@@ -185,7 +185,7 @@ TEST(LibraryLoop, GivesTheSceneBackAsItWasAskedToBe) {
 }
 
 TEST(LibraryLoop, AnEndedLoopCannotBeStartedAgain) {
-  const ScenePtr scene = sceneOf(kPaper, {"loop.paced=false", "loop.duration_s=0.01"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false", "loop.duration_s=0.01"});
   const LoopPtr loop = loopOf(scene.get(), nullptr, false);
   expectOk(hapto_loop_start(loop.get()));
   for (int i = 0; i < 500 && snapshotOf(loop.get()).running == 1; ++i) {
@@ -195,7 +195,7 @@ TEST(LibraryLoop, AnEndedLoopCannotBeStartedAgain) {
 }
 
 TEST(LibraryLoop, HasTheScenesOwnHandWithoutADevice) {
-  const ScenePtr scene = sceneOf(kPaper, {"loop.paced=false", "loop.duration_s=1.5"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false", "loop.duration_s=1.5"});
   const LoopPtr loop = loopOf(scene.get(), nullptr, false);
   expectOk(hapto_loop_start(loop.get()));
   for (int i = 0; i < 2000 && snapshotOf(loop.get()).running == 1; ++i) {
@@ -206,7 +206,7 @@ TEST(LibraryLoop, HasTheScenesOwnHandWithoutADevice) {
 }
 
 TEST(LibraryLoop, AnImpossibleDeviceIsRefusedAndTheSceneGivenBack) {
-  const ScenePtr scene = sceneOf(kPaper, {"loop.paced=false"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false"});
   OwnDevice own;
   hapto_loop* loop = nullptr;
   hapto_device device = own.handle(false);

@@ -90,7 +90,7 @@ TEST_F(LibraryRecording, HasWhatTheSoilDoesInTheScenesFrameAndWhatTheDeviceWasSe
   for (const int mapping_deg : {0, 90, 180}) {
     SCOPED_TRACE(mapping_deg);
     const std::string turned = "mapping.turn_deg=[0, 0, " + std::to_string(mapping_deg) + "]";
-    const ScenePtr scene = sceneOf(kPaper, {kZeroInSoil, turned.c_str()});
+    const ScenePtr scene = sceneOf(kIcra2021, {kZeroInSoil, turned.c_str()});
     SweepingDevice hand{.sweep = {.turn_rad = mapping_deg * M_PI / 180}};
     const hapto_device device = hand.handle();
     const LoopPtr loop = loopOf(scene.get(), &device);
@@ -110,8 +110,8 @@ TEST_F(LibraryRecording, HasWhatTheSoilDoesInTheScenesFrameAndWhatTheDeviceWasSe
 }
 
 TEST_F(LibraryRecording, OfAnOwnDeviceIsRunAgainToTheLastBit) {
-  for (const char* toml : {kPaper, kContact}) {
-    const std::string path = file(toml == kPaper ? "paper.h5" : "contact.h5");
+  for (const char* toml : {kIcra2021, kContact}) {
+    const std::string path = file(toml == kIcra2021 ? "icra2021.h5" : "contact.h5");
     const ScenePtr scene = sceneOf(toml, {"mapping.offset_mm=[3, 0, 12]", "mapping.turn_deg=[0, 0, 30]"});
     OwnDevice own;
     own.height_m = -0.01;
@@ -155,7 +155,7 @@ TEST_F(LibraryRecording, OfAnOwnDeviceIsRunAgainToTheLastBit) {
 }
 
 TEST_F(LibraryRecording, GivesTicksAndPicturesBackAsTheyWere) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   const hapto_device device = own.handle(true);
   const LoopPtr loop = loopOf(scene.get(), &device);
@@ -198,7 +198,7 @@ TEST_F(LibraryRecording, GivesTicksAndPicturesBackAsTheyWere) {
 }
 
 TEST_F(LibraryRecording, OfALoopWithAThreadLosesNothingAndSaysWhyItEnded) {
-  const ScenePtr scene = sceneOf(kPaper, {"loop.paced=false", "loop.duration_s=3"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false", "loop.duration_s=3"});
   const LoopPtr loop = loopOf(scene.get(), nullptr, HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES);
   const RecorderPtr recorder = recorderOf(loop.get(), file("run.h5"));
   expectOk(hapto_loop_start(loop.get()));
@@ -223,7 +223,7 @@ TEST_F(LibraryRecording, OfALoopWithAThreadLosesNothingAndSaysWhyItEnded) {
 }
 
 TEST_F(LibraryRecording, OfASceneThatWasStirredBeforeCannotBeRunAgain) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   stir(scene.get(), 0, 30);
   OwnDevice own;
   const hapto_device device = own.handle(true);
@@ -267,7 +267,7 @@ TEST_F(LibraryRecording, OfAChangedSceneCannotBeRunAgainAndOfACloneCan) {
 }
 
 TEST_F(LibraryRecording, BegunLateHasAllThatNobodyHasTakenAndKnowsWhatIsNotInIt) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   const hapto_device device = own.handle(true);
   const LoopPtr loop = loopOf(scene.get(), &device);
@@ -288,7 +288,7 @@ TEST_F(LibraryRecording, BegunLateHasAllThatNobodyHasTakenAndKnowsWhatIsNotInIt)
 }
 
 TEST_F(LibraryRecording, CountsTicksThatNobodyTookInTime) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   const hapto_device device = own.handle(true);
   const LoopPtr loop = loopOf(scene.get(), &device);
@@ -303,7 +303,7 @@ TEST_F(LibraryRecording, CountsTicksThatNobodyTookInTime) {
 }
 
 TEST_F(LibraryRecording, OverwritesNothingUnasked) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   const hapto_device device = own.handle(true);
   const LoopPtr loop = loopOf(scene.get(), &device);
@@ -326,7 +326,7 @@ TEST_F(LibraryRecording, RefusesWhatIsNone) {
     EXPECT_EQ(hapto_recording_open(file(name).c_str(), &recording), HAPTO_FAILURE);
     EXPECT_THAT(lastError().message, HasSubstr(name));
   }
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   hapto_recorder* recorder = nullptr;
   {
     const LoopPtr without = loopOf(scene.get(), nullptr, HAPTO_LOOP_TICKED_BY_CALLER);
@@ -347,7 +347,7 @@ TEST_F(LibraryRecording, RefusesWhatIsNone) {
 }
 
 TEST_F(LibraryRecording, EndsWithTheLoopThatIsGone) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   const hapto_device device = own.handle(true);
   LoopPtr loop = loopOf(scene.get(), &device);
@@ -363,7 +363,7 @@ TEST_F(LibraryRecording, EndsWithTheLoopThatIsGone) {
 }
 
 TEST_F(LibraryRecording, VerificationCanBeStopped) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   const hapto_device device = own.handle(true);
   const LoopPtr loop = loopOf(scene.get(), &device);
@@ -379,7 +379,7 @@ TEST_F(LibraryRecording, VerificationCanBeStopped) {
 }
 
 TEST_F(LibraryRecording, EveryFunctionGivesAStatusForEveryWrongHandle) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   OwnDevice own;
   const hapto_device device = own.handle(true);
   const LoopPtr loop = loopOf(scene.get(), &device);

@@ -24,8 +24,8 @@ TEST(Library, HasTheHeadersVersion) {
 }
 
 class EitherFriction : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Friction, EitherFriction, testing::Values(kPaper, kContact),
-                         [](const auto& param) { return param.param == kPaper ? "Paper" : "Contact"; });
+INSTANTIATE_TEST_SUITE_P(Friction, EitherFriction, testing::Values(kIcra2021, kContact),
+                         [](const auto& param) { return param.param == kIcra2021 ? "Icra2021" : "Contact"; });
 
 TEST_P(EitherFriction, AStepIsAStepOfTheSceneInside) {
   const ScenePtr scene = sceneOf(GetParam());
@@ -57,8 +57,8 @@ TEST_P(EitherFriction, AStepIsAStepOfTheSceneInside) {
 }
 
 TEST(LibraryScene, StepsAreStepsOneByOne) {
-  const ScenePtr together = sceneOf(kPaper);
-  const ScenePtr apart = sceneOf(kPaper);
+  const ScenePtr together = sceneOf(kIcra2021);
+  const ScenePtr apart = sceneOf(kIcra2021);
   std::vector<hapto_pose> poses;
   for (int tick = 0; tick < 300; ++tick) {
     poses.push_back(stirring(tick));
@@ -149,7 +149,7 @@ TEST(LibraryScene, ItsTextMakesTheSameScene) {
 }
 
 TEST(LibraryScene, ViewsAreWhereTheParticlesAreUntilTheNextStep) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   const auto view = [&](std::int32_t field) {
     hapto_array array{};
     array.size = sizeof array;
@@ -212,7 +212,7 @@ TEST(LibraryScene, CopiesTellSizesSleepAndLoads) {
 }
 
 TEST(LibraryScene, AnImpossiblePoseMovesNothing) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   stir(scene.get(), 0, 50);
   const std::uint64_t before = hashOf(scene.get());
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -280,7 +280,7 @@ TEST(LibraryScene, JawsGripWhatIsBetweenThem) {
 }
 
 TEST(LibraryScene, StiffnessTellsHowTheForceGrows) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   stir(scene.get(), 0, 700);
   double k[9];
   expectOk(hapto_scene_get_contact_stiffness(scene.get(), k));

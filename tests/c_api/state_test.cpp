@@ -34,7 +34,7 @@ class GoesOn : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
     Scenes, GoesOn,
     testing::Values(
-        Case{"Paper", kPaper, "bed.sleep=true"}, Case{"PaperThatDoesNotSleep", kPaper, "bed.sleep=false"},
+        Case{"Icra2021", kIcra2021, "bed.sleep=true"}, Case{"Icra2021ThatDoesNotSleep", kIcra2021, "bed.sleep=false"},
         Case{"Contact", kContact, "bed.sleep=true"},
         Case{"ContactThatFallsAsleepSoon", kContact, "bed.sleep_speed_m_s=0.01"},
         Case{"Settled",
@@ -86,7 +86,7 @@ TEST(LibraryState, ChangesOfSoilGravityAndToolAreInIt) {
 }
 
 TEST(LibraryState, OfASceneThatNobodyHasTouchedIsAStateToo) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   hapto_pose pose{};
   expectOk(hapto_scene_get_tool_pose(scene.get(), &pose));
   EXPECT_EQ(pose.orientation[0], 1);
@@ -117,7 +117,7 @@ TEST(LibraryState, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(LibraryState, BringsACollapsedSceneBack) {
-  const ScenePtr scene = sceneOf(kPaper, {"soil.stiffness_n_m=8"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"soil.stiffness_n_m=8"});
   const std::string good = stateOf(scene.get());
   const double crushing[3] = {-577, -577, -577};  // so soft a soil is crushed into a corner
   expectOk(hapto_scene_set_gravity(scene.get(), crushing));
@@ -135,11 +135,11 @@ TEST(LibraryState, BringsACollapsedSceneBack) {
 }
 
 TEST(LibraryState, OfAnotherSceneIsRefused) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   stir(scene.get(), 0, 100);
   const std::uint64_t before = hashOf(scene.get());
   for (const ScenePtr& other :
-       {sceneOf(kContact), sceneOf(kPaper, {"bed.particles=200"}), sceneOf(kPaper, {"bed.width_mm=140"})}) {
+       {sceneOf(kContact), sceneOf(kIcra2021, {"bed.particles=200"}), sceneOf(kIcra2021, {"bed.width_mm=140"})}) {
     const std::string bytes = stateOf(other.get());
     EXPECT_EQ(hapto_scene_set_state(scene.get(), bytes.data(), bytes.size()), HAPTO_INVALID_PARAMETER);
     EXPECT_THAT(lastError().message, HasSubstr("hapto_scene_from_state()"));
@@ -148,7 +148,7 @@ TEST(LibraryState, OfAnotherSceneIsRefused) {
 }
 
 TEST(LibraryState, WhatIsDamagedIsRefused) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   const std::string good = stateOf(scene.get());
   hapto_scene* made = nullptr;
   const auto refused = [&](const std::string& bytes) {

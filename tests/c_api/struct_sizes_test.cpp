@@ -54,7 +54,7 @@ void expectFilledIn(const std::string& name, std::uint32_t first, const std::fun
 }
 
 TEST(StructSizes, WhatTheLibraryFillsInMayBeOlderOrNewer) {
-  const ScenePtr scene = sceneOf(kPaper);
+  const ScenePtr scene = sceneOf(kIcra2021);
   hapto_result* made_result = nullptr;
   const SoilPtr soil = soilOf("lunar-0-15cm");
   expectOk(hapto_soil_profile(soil.get(), 1.62, 0.1, &made_result));
@@ -98,7 +98,7 @@ TEST(StructSizes, WhatTheLibraryReadsMayBeOlderOrNewer) {
   const hapto_device device = own.handle(true);
   for (const std::uint32_t size : {std::uint32_t{231}, std::uint32_t{232}, 232 + kLater}) {
     SCOPED_TRACE(size);
-    const ScenePtr scene = sceneOf(kPaper);
+    const ScenePtr scene = sceneOf(kIcra2021);
     Memory given = inVersion(device, size);
     hapto_loop* loop = nullptr;
     ASSERT_EQ(hapto_loop_create(scene.get(), given.as<hapto_device>(), HAPTO_LOOP_TICKED_BY_CALLER, &loop),

@@ -45,8 +45,8 @@ using LoopPtr = std::unique_ptr<hapto_loop, Destroy>;
 using SoilPtr = std::unique_ptr<hapto_soil, Destroy>;
 using ResultPtr = std::unique_ptr<hapto_result, Destroy>;
 
-/// A few hundred macroparticles with the paper's friction, or with contact friction, cohesion and a spread of sizes.
-inline constexpr const char* kPaper = "[bed]\nparticles = 256\n";
+/// A few hundred macroparticles with ICRA 2021 friction, or with contact friction, cohesion and a spread of sizes.
+inline constexpr const char* kIcra2021 = "[bed]\nparticles = 256\n";
 inline constexpr const char* kContact =
     "[soil]\nname = 'lunar-0-15cm'\n[bed]\nstart = 'packed'\nwidth_mm = 126\nlength_mm = 84\ndepth_mm = 40\n";
 

@@ -41,7 +41,7 @@ def a_folder_with_the_package(tmp_path_factory):
 @pytest.fixture(name="program")
 def a_running_program(tmp_path):
     """A scoop that is watched by who knows the token: (address of its WebSocket, a function that ends it and gives its summary)."""
-    process = subprocess.Popen([os.environ["HAPTOLITH"], "run", "paper", "--hand", "scoop", "--serve", "--port", "0", "--json"],
+    process = subprocess.Popen([os.environ["HAPTOLITH"], "run", "icra2021", "--hand", "scoop", "--serve", "--port", "0", "--json"],
                                cwd=tmp_path, env={**os.environ, "HAPTOLITH_TOKEN": TOKEN}, text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
@@ -72,7 +72,7 @@ def test_example_sees_what_the_program_says(folder, program):
     assert done.returncode == 0, done.stdout + done.stderr
     seen = re.search(r"(\d+) frames, .*: (\d+) particles, (\d+) awake, force \S+ N, strongest (\S+) N", done.stdout)
     assert seen, done.stdout
-    assert "The paper's scene: 256 particles" in done.stdout
+    assert "The scene of the ICRA 2021 paper: 256 particles" in done.stdout
     assert "refused" not in done.stdout
     assert int(seen[1]) > 20
     assert int(seen[2]) == told["particles"] == 256
@@ -99,7 +99,7 @@ def test_readme(folder, program):
     finally:
         example.kill()
         example.wait()
-    assert lines[0] == "The paper's scene 256\n"
+    assert lines[0] == "The scene of the ICRA 2021 paper 256\n"
     assert re.fullmatch(r"[\d.]+ s \d+ awake( -?[\d.e-]+){3} N\n", lines[4]), lines
 
 

@@ -52,7 +52,7 @@ def wait_for_listener(port, process):
 def running(folder):
     """The program with a network device: (its address, a function that ends it and gives its summary)."""
     port = free_port()
-    arguments = ["run", "paper", "--device", "network", "--device-address", f"127.0.0.1:{port}", "--json", "--no-serve"]
+    arguments = ["run", "icra2021", "--device", "network", "--device-address", f"127.0.0.1:{port}", "--json", "--no-serve"]
     process = subprocess.Popen([os.environ["HAPTOLITH"], *arguments], cwd=folder, text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 

@@ -97,7 +97,7 @@ class PersonsDevice final : public HapticDevice {
   double surface_m_;
 };
 
-BedParameters paperBed() {
+BedParameters icra2021Bed() {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
   bed.gravity_m_s2 = {0, 0, -9.807};
@@ -114,7 +114,7 @@ LoopParameters unpaced(double duration_s = 0) {
 /// A loop, what it joins, and how it went.
 struct Bench {
   explicit Bench(const LoopParameters& parameters = unpaced(), const HandlingParameters& handling = {})
-      : scene(paperBed(), {}),
+      : scene(icra2021Bed(), {}),
         device(scene.bed().surfaceHeight()),
         loop(std::make_unique<HapticLoop>(scene, device, parameters, true, handling)) {}
 
@@ -461,7 +461,7 @@ TEST(FaultTable, ACrashInTheLoopLetsGoOfTheHand) {
   const pid_t child = fork();
   if (child == 0) {
     PipedDevice device(ends[1]);
-    Scene scene(paperBed(), {});
+    Scene scene(icra2021Bed(), {});
     HapticLoop loop(scene, device, unpaced(1), false);
     const LastResort last_resort(device);
     (void)loop.run(kNeverStop);

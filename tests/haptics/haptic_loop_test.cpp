@@ -25,7 +25,7 @@ namespace {
 constexpr double kTick_s = 1e-3;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-BedParameters paperBed() {
+BedParameters icra2021Bed() {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
   return bed;
@@ -88,7 +88,7 @@ bool isZero(const Wrench& wrench) {
 const std::atomic<bool> kNeverStop{false};
 
 TEST(HapticLoop, RunsForTheTimeAskedForAndLetsGo) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device(pushing);
   HapticLoop loop(scene, device, unpaced(0.2), false);
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
@@ -106,7 +106,7 @@ TEST(HapticLoop, RunsForTheTimeAskedForAndLetsGo) {
 }
 
 TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device(pushing);
   device.limits_ = {.max_force_n = 0.3, .max_torque_nm = 0.001};
   HapticLoop loop(scene, device, unpaced(0), true);
@@ -141,7 +141,7 @@ TEST(HapticLoop, AToolWithAMassIsFeltWithItsWeightAndNobodyDampsIt) {
   ToolParameters tool;
   tool.mass_kg = 0.2;
   tool.centre_of_mass_m = Vec3(0.03, 0, -0.01);
-  Scene scene(paperBed(), tool);
+  Scene scene(icra2021Bed(), tool);
   FakeDevice device(lifting);
   HapticLoop loop(scene, device, unpaced(0), true);
   const double weight_n = 0.2 * 1.625;
@@ -164,7 +164,7 @@ TEST(HapticLoop, AToolWithAMassIsFeltWithItsWeightAndNobodyDampsIt) {
 TEST(HapticLoop, AVirtualCouplingAlsoShowsTheInertiaOfAToolWithAMass) {
   ToolParameters tool;
   tool.mass_kg = 0.3;
-  Scene scene(paperBed(), tool);
+  Scene scene(icra2021Bed(), tool);
   FakeDevice device(lifting);
   HandlingParameters handling;
   handling.coupling.kind = CouplingKind::kVirtual;
@@ -185,7 +185,7 @@ TEST(HapticLoop, AVirtualCouplingAlsoShowsTheInertiaOfAToolWithAMass) {
 }
 
 TEST(HapticLoop, AStopFlagEndsItAndTheHandIsLetGo) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   std::atomic<bool> stop{false};
   FakeDevice device([&](int tick) {
     stop = tick == 149;
@@ -214,7 +214,7 @@ TEST(HapticLoop, AHandThatIsNoNumberOrFarAwayEndsItAndIsLetGo) {
   for (const auto& spoil : spoils) {
     for (const bool through_run : {true, false}) {
       SCOPED_TRACE(number);
-      Scene scene(paperBed(), {});
+      Scene scene(icra2021Bed(), {});
       FakeDevice device([&](int tick) {
         DeviceInput input = pushing(tick);
         if (tick == 150) {
@@ -241,7 +241,7 @@ TEST(HapticLoop, AHandThatIsNoNumberOrFarAwayEndsItAndIsLetGo) {
 }
 
 TEST(HapticLoop, ABedThatIsNoNumberEndsItAndTheHandIsLetGo) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device([](int tick) {
     DeviceInput input = pushing(tick);
     if (tick == 150) {
@@ -264,7 +264,7 @@ TEST(HapticLoop, APoseFilesEndEndsIt) {
   hand.poses_file = path.string();
   VirtualHand device(hand, kTick_s);
   std::filesystem::remove(path);
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   HapticLoop loop(scene, device, unpaced(10), true);
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kFinished);
   EXPECT_EQ(loop.statistics().ticks(), 251U);  // the last one goes past the end
@@ -274,7 +274,7 @@ TEST(HapticLoop, APoseFilesEndEndsIt) {
 }
 
 TEST(HapticLoop, RecordsAreCompleteAndInOrder) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   HandParameters hand;
   hand.surface_m = scene.bed().surfaceHeight();
   VirtualHand device(hand, kTick_s);
@@ -303,7 +303,7 @@ TEST(HapticLoop, RecordsAreCompleteAndInOrder) {
 }
 
 TEST(HapticLoop, WithoutAListenerItKeepsNoRecordsAndWaitsForNobody) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device(above);
   HapticLoop loop(scene, device, unpaced(9), false);  // more ticks than the queue has places
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
@@ -314,7 +314,7 @@ TEST(HapticLoop, WithoutAListenerItKeepsNoRecordsAndWaitsForNobody) {
 }
 
 TEST(HapticLoop, SnapshotsShowTheScene) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device(pushing);
   HapticLoop loop(scene, device, unpaced(0), false);
   int seen = 0;
@@ -334,7 +334,7 @@ TEST(HapticLoop, SnapshotsShowTheScene) {
 }
 
 TEST(HapticLoop, SnapshotsOfALargeBedAreCopiedBitByBit) {
-  BedParameters large = paperBed();
+  BedParameters large = icra2021Bed();
   large.start = BedStart::kPacked;
   large.width_m = large.length_m = 0.5;
   large.depth_m = 0.08;
@@ -377,7 +377,7 @@ TEST(HapticLoop, SnapshotsOfALargeBedAreCopiedBitByBit) {
 }
 
 TEST(HapticLoop, APacedLoopKeepsStepWithTheClock) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device(above);
   LoopParameters parameters;
   parameters.duration_s = 0.3;
@@ -392,7 +392,7 @@ TEST(HapticLoop, APacedLoopKeepsStepWithTheClock) {
 }
 
 TEST(HapticLoop, ALateTickIsNotMadeUpForByABurst) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   std::vector<std::int64_t> at_ns;
   FakeDevice device([&](int tick) {
     if (tick == 20) {
@@ -413,7 +413,7 @@ TEST(HapticLoop, ALateTickIsNotMadeUpForByABurst) {
 }
 
 TEST(HapticLoop, TicksThatAlwaysTakeLongerThanATickAreTooLong) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device([](int tick) {
     const std::int64_t until_ns = monotonicNs() + 1'500'000;
     while (monotonicNs() < until_ns) {
@@ -431,7 +431,7 @@ TEST(HapticLoop, TicksThatAlwaysTakeLongerThanATickAreTooLong) {
 
 TEST(HapticLoop, TheToolBeginsWhereTheHandIs) {
   // With substeps the tool moves through the bed within a tick: at the first one it must not come from the origin.
-  BedParameters bed = paperBed();
+  BedParameters bed = icra2021Bed();
   bed.soil = rescaled(bed.soil, 3.5e-3);
   bed.width_m = bed.length_m = 0.063;
   Scene scene(bed, {});
@@ -452,7 +452,7 @@ TEST(HapticLoop, TheToolBeginsWhereTheHandIs) {
 }
 
 TEST(HapticLoop, RefusesWrongParametersAndABedOfAnotherTick) {
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   FakeDevice device(above);
   LoopParameters parameters;
   parameters.filter_cutoff_hz = 0;

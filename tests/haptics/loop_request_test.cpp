@@ -48,7 +48,7 @@ class Stirrer final : public HapticDevice {
   Wrench last_;
 };
 
-BedParameters paperBed() {
+BedParameters icra2021Bed() {
   BedParameters bed;
   bed.soil = findPreset("P3").soil;
   return bed;
@@ -68,7 +68,7 @@ HandParameters scooping() {
 
 /// A scene that is stirred.
 struct Stirred {
-  explicit Stirred(const BedParameters& bed = paperBed()) : scene(bed, {}), loop(scene, device, unpaced(), false) {}
+  explicit Stirred(const BedParameters& bed = icra2021Bed()) : scene(bed, {}), loop(scene, device, unpaced(), false) {}
   Stirred(const BedParameters& bed, const std::vector<Vec3>& centres_m)
       : scene(bed, {}, centres_m), loop(scene, device, unpaced(), false) {}
 
@@ -119,7 +119,7 @@ TEST(LoopRequest, APauseStopsTimeAndLetsGoAndLeavesNoTrace) {
 
 TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
   struct Scooped {
-    Scene scene{paperBed(), {}};
+    Scene scene{icra2021Bed(), {}};
     VirtualHand hand{scooping(), 1e-3};
     HapticLoop loop{scene, hand, unpaced(), false};
   };
@@ -148,7 +148,7 @@ TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
 
 TEST(LoopRequest, ASlowedLoopTakesItsTime) {
   Stirrer device;
-  Scene scene(paperBed(), {});
+  Scene scene(icra2021Bed(), {});
   LoopParameters parameters;
   parameters.duration_s = 0.02;
   HapticLoop loop(scene, device, parameters, false);
@@ -161,7 +161,7 @@ TEST(LoopRequest, ASlowedLoopTakesItsTime) {
 }
 
 TEST(LoopRequest, GravityAndSoilCountFromTheNextTick) {
-  BedParameters wanted = paperBed();
+  BedParameters wanted = icra2021Bed();
   wanted.gravity_m_s2 = Vec3(0, 0, -3.721);
   wanted.soil.mu_hat = 0.1;
   wanted.soil.gamma_nm *= 2;
@@ -170,15 +170,15 @@ TEST(LoopRequest, GravityAndSoilCountFromTheNextTick) {
     centres_m.emplace_back(p.x, p.y, p.z);
   }
   Stirred made_so(wanted, centres_m);
-  Stirred changed(paperBed(), centres_m);
-  ASSERT_TRUE(isCompatible(paperBed(), wanted.soil, ToolParameters{}.stiffness_n_m));
+  Stirred changed(icra2021Bed(), centres_m);
+  ASSERT_TRUE(isCompatible(icra2021Bed(), wanted.soil, ToolParameters{}.stiffness_n_m));
   ASSERT_TRUE(changed.loop.ask(request::Gravity{wanted.gravity_m_s2}));
   ASSERT_TRUE(changed.loop.ask(request::Soil{SoilLaws(wanted.soil)}));
   made_so.ticks(500);
   changed.ticks(500);
   EXPECT_EQ(changed.hash(), made_so.hash());
 
-  Stirred as_it_was(paperBed(), centres_m);
+  Stirred as_it_was(icra2021Bed(), centres_m);
   as_it_was.ticks(500);
   EXPECT_NE(changed.hash(), as_it_was.hash());
 }
@@ -230,7 +230,7 @@ TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {
   const double usual_jump_n = stirred.device.largest_jump_n_;
   stirred.device.largest_jump_n_ = 0;
 
-  Scene level(paperBed(), {});
+  Scene level(icra2021Bed(), {});
   ShownScene next(level);
   ASSERT_TRUE(stirred.loop.ask(request::ReplaceBed{&next}));
   stirred.ticks(99);
@@ -253,7 +253,7 @@ TEST(LoopRequest, AnotherSceneComesWithoutAJumpAndWithoutAShot) {
 TEST(LoopRequest, ASceneOfAnotherSizeIsShownWhole) {
   Stirred stirred;
   stirred.ticks(100);
-  BedParameters more = paperBed();
+  BedParameters more = icra2021Bed();
   more.start = BedStart::kPacked;
   more.width_m = more.length_m = 0.5;
   more.depth_m = 0.08;

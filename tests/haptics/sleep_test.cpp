@@ -90,8 +90,8 @@ float worstDisagreement(const BedState& state) {
   return worst;
 }
 
-TEST(Sleep, WithThePapersFrictionEveryBitIsAsIfNobodySlept) {
-  BedParameters parameters = sandbox(FrictionModel::kPaper);
+TEST(Sleep, WithIcra2021FrictionEveryBitIsAsIfNobodySlept) {
+  BedParameters parameters = sandbox(FrictionModel::kIcra2021);
   parameters.width_m = parameters.length_m = 0.5;
   parameters.sleep_speed_m_s = 0;
   Stirred sleeping(parameters);
@@ -238,7 +238,7 @@ class Waking : public testing::TestWithParam<FrictionModel> {
 
   static BedParameters coarse(FrictionModel friction) {
     BedParameters bed = sandbox(friction);
-    bed.sleep_speed_m_s = friction == FrictionModel::kPaper ? 1e-6 : 1e-3;
+    bed.sleep_speed_m_s = friction == FrictionModel::kIcra2021 ? 1e-6 : 1e-3;
     return bed;
   }
   Bed& bed() { return stirred_.scene.bed(); }
@@ -364,7 +364,7 @@ TEST_P(Waking, FrictionThatIsSwitchedOffAndAWishWake) {
   EXPECT_LT(bed().awake(), bed().particles());
 }
 
-INSTANTIATE_TEST_SUITE_P(Frictions, Waking, testing::Values(FrictionModel::kPaper, FrictionModel::kContact));
+INSTANTIATE_TEST_SUITE_P(Frictions, Waking, testing::Values(FrictionModel::kIcra2021, FrictionModel::kContact));
 
 }  // namespace
 }  // namespace haptolith

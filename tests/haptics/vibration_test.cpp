@@ -66,7 +66,7 @@ class PressingArm : public HapticDevice {
 struct Case {
   const char* preset;
   double gravity_m_s2;
-  FrictionModel friction = FrictionModel::kPaper;
+  FrictionModel friction = FrictionModel::kIcra2021;
 };
 
 BedParameters deepBed(const Case& c) {
@@ -94,7 +94,7 @@ TEST_P(BuriedShovel, DoesNotVibrate) {
   EXPECT_GT(arm.force(), 0.5) << "it must press against something";
   EXPECT_GT(scene.contactStiffness()(2, 2), 5 * ToolParameters{}.stiffness_n_m) << "and against many particles";
   // A finger feels 10 um at 30 Hz at best; this is a hundredth of that. Springs of contact friction, which forget
-  // nothing, still move by a third of a micrometre where the paper's friction has stopped every particle dead.
+  // nothing, still move by a third of a micrometre where ICRA 2021 friction has stopped every particle dead.
   EXPECT_LT(arm.vibration(), GetParam().friction == FrictionModel::kContact ? 1e-6 : 1e-7);
 }
 

@@ -38,7 +38,7 @@ TEST(FreeFallTest, OnEarthToo) {
   EXPECT_NEAR(freeFallTest(conditions).acceleration_ratio, 1, 1e-3);
 }
 
-TEST(FreeFallTest, ThePapersFrictionHoldsAClumpInEmptySpace) {
+TEST(FreeFallTest, Icra2021FrictionHoldsAClumpInEmptySpace) {
   LabConditions conditions;
   conditions.soil = findPreset("P4").soil;
   const FreeFallResult result = freeFallTest(conditions);

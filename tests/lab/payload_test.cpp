@@ -32,7 +32,7 @@ TEST(PayloadTest, AHandFeelsTheWeightAndTheInertiaOfSoilAndNothingElse) {
   }
 }
 
-TEST(PayloadTest, WithThePapersFrictionSoilHangsInSpaceAndStaysBehind) {
+TEST(PayloadTest, WithIcra2021FrictionSoilHangsInSpaceAndStaysBehind) {
   LabConditions conditions;
   conditions.soil = findPreset("P4").soil;
   const PayloadResult result = payloadTest(conditions);

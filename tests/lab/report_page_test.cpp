@@ -52,12 +52,12 @@ class ReportPageTest : public testing::Test {
                   .measured = "friction angle",
                   .target = "36 ± 2°",
                   .contact = {"35.1 ± 0.4°", Verdict::kPass},
-                  .paper = {"12 ± 3°", Verdict::kFail}},
+                  .icra2021 = {"12 ± 3°", Verdict::kFail}},
                  {.test = "Heap",
                   .measured = "angle of repose",
                   .target = "30 to 38°",
                   .contact = {"33°", Verdict::kPass},
-                  .paper = {"no heap", Verdict::kInfo}}},
+                  .icra2021 = {"no heap", Verdict::kInfo}}},
         .figures = {{draw("shear.svg"), "Shear stress over normal stress"}, {draw("heap.png"), "The heap's surface"}}};
   }
 
@@ -113,7 +113,7 @@ TEST_F(ReportPageTest, ShowsEveryRowFactAndParagraph) {
   for (const ReportRow& row : shown.rows) {
     EXPECT_THAT(html, HasSubstr("<tr><th scope=\"row\">" + row.test + "</th><td>" + row.measured + "</td><td>" +
                                 row.target + "</td><td>" + row.contact.text + " <span"));
-    EXPECT_THAT(html, HasSubstr("<td>" + row.paper.text + " <span"));
+    EXPECT_THAT(html, HasSubstr("<td>" + row.icra2021.text + " <span"));
   }
   EXPECT_THAT(html, HasSubstr("<td>12 ± 3° <span class=\"verdict fail\">fail</span></td>"));
   EXPECT_THAT(html, HasSubstr("<td>no heap <span class=\"verdict info\">info</span></td>"));

@@ -82,14 +82,14 @@ TEST(Shear, GrainsOfTwoSizesMixedAreAboutAsStrongAndDenseAsOne) {
   EXPECT_THROW((void)shearTest(conditions, mixed), InvalidParameter);
 }
 
-TEST(Shear, PaperFrictionTransmitsAlmostNothing) {
+TEST(Shear, Icra2021FrictionTransmitsAlmostNothing) {
   // (paper 14) acts against space: particles exert no tangential force on each other, so the plate barely drags them.
   LabConditions conditions{.soil = testSoil(0.5, 0)};
-  conditions.soil.friction = FrictionModel::kPaper;
+  conditions.soil.friction = FrictionModel::kIcra2021;
   conditions.soil.attraction_ratio = 1;
   conditions.soil.mu_hat = 0.35;
-  const ShearResult paper = shearTest(conditions, smallCell());
-  EXPECT_LT(degrees(paper.residual.friction_angle_rad), 20);
+  const ShearResult icra2021 = shearTest(conditions, smallCell());
+  EXPECT_LT(degrees(icra2021.residual.friction_angle_rad), 20);
 }
 
 TEST(Shear, IsTheSameForAnyNumberOfThreads) {

@@ -149,8 +149,8 @@ TEST(GranularLaw, HasALawForSoilThatDoesNotLieYet) {
 }
 
 TEST(GranularLaw, RefusesWhatNoStyleHas) {
-  BedParameters paper;
-  EXPECT_THROW((void)granularLaw(Bed(paper)), InvalidParameter);
+  BedParameters icra2021;
+  EXPECT_THROW((void)granularLaw(Bed(icra2021)), InvalidParameter);
   BedParameters graded = bedOf(springs());
   graded.grading.fine_radius_m = graded.soil.radius_m / 2;
   graded.width_m = graded.length_m = 0.1;

@@ -72,7 +72,7 @@ TEST_F(FinestGrainHere, IsMeasuredInTheBoxOfTheBed) {
   const FinestGrain found = finestGrain(bed_, {}, {.paced = false}, kOneThread, stop_);
   EXPECT_GT(found.chosen.tick_us_p99, 0);
   EXPECT_THAT(kGrainRadii_m, testing::Contains(found.chosen.radius_m));
-  // With R = 7 mm it would be 256: the paper's.
+  // With R = 7 mm it would be 256, as in icra2021.
   EXPECT_NEAR(static_cast<double>(found.chosen.grains) * std::pow(found.chosen.radius_m / 7e-3, 3), 256, 80);
 }
 

@@ -126,9 +126,9 @@ TEST_F(MachineFitHere, ThatIsInterruptedIsNotKept) {
 }
 
 TEST_F(MachineFitHere, RefusesASceneWhoseParticlesAreItsOwn) {
-  SceneFile paper = findSceneFile("paper");
-  EXPECT_FALSE(canBeFitted(paper));
-  EXPECT_THROW((void)fitToMachine(paper, {}, stop_), InvalidParameter);
+  SceneFile icra2021 = findSceneFile("icra2021");
+  EXPECT_FALSE(canBeFitted(icra2021));
+  EXPECT_THROW((void)fitToMachine(icra2021, {}, stop_), InvalidParameter);
   EXPECT_TRUE(canBeFitted(findSceneFile(kAutoScene)));
 }
 

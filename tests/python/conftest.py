@@ -7,7 +7,7 @@ import pytest
 
 import haptolith as hp
 
-PAPER = "[bed]\nparticles = 256\n"
+ICRA2021 = "[bed]\nparticles = 256\n"
 CONTACT = ("[soil]\nname = 'lunar-0-15cm'\n[bed]\nstart = 'packed'\nwidth_mm = 126\nlength_mm = 84\ndepth_mm = 40\n")
 
 
@@ -23,7 +23,7 @@ def stirring(first: int, last: int) -> np.ndarray:
     return poses
 
 
-@pytest.fixture(params=[PAPER, CONTACT], ids=["paper", "contact"])
+@pytest.fixture(params=[ICRA2021, CONTACT], ids=["icra2021", "contact"])
 def scene(request):
     with hp.Scene.from_toml(request.param) as made:
         yield made

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import haptolith as hp
-from conftest import CONTACT, PAPER, stirring
+from conftest import CONTACT, ICRA2021, stirring
 from haptolith.gym import DigEnv, VecDigEnv
 
 
 def test_a_batch_gives_the_bits_of_one_by_one():
-    scenes = [hp.Scene.from_toml(PAPER if i % 2 else CONTACT, bed__seed=i + 1) for i in range(6)]
+    scenes = [hp.Scene.from_toml(ICRA2021 if i % 2 else CONTACT, bed__seed=i + 1) for i in range(6)]
     alone = [scene.clone() for scene in scenes]
     poses = np.stack([stirring(40 * i, 40 * i + 80) for i in range(6)])
     with hp.Batch(scenes, threads=2) as batch:
@@ -40,7 +40,7 @@ def test_a_batch_gives_the_bits_of_one_by_one():
 
 
 def test_a_scene_closed_first_stays_until_its_loop_and_batch_are_closed():
-    with hp.Scene.from_toml(PAPER, loop__paced=False, loop__duration_s=0.2) as scene:
+    with hp.Scene.from_toml(ICRA2021, loop__paced=False, loop__duration_s=0.2) as scene:
         loop = hp.Loop(scene)
     loop.start()
     while loop.snapshot().running:
@@ -50,7 +50,7 @@ def test_a_scene_closed_first_stays_until_its_loop_and_batch_are_closed():
     loop.close()
     with pytest.raises(hp.HaptolithError, match="closed"):
         loop.start()
-    scene = hp.Scene.from_toml(PAPER)
+    scene = hp.Scene.from_toml(ICRA2021)
     kept = scene.handle
     batch = hp.Batch([scene])
     scene.close()
@@ -142,7 +142,7 @@ class Sweeps(hp.Device):
 @pytest.mark.parametrize("mapping_deg", [0, 90, 180])
 @pytest.mark.parametrize("declared_deg", [0, -90])
 def test_each_wrench_has_one_frame(mapping_deg, declared_deg):
-    with hp.Scene.from_toml(PAPER, mapping__offset_mm=[0, 0, -15], mapping__turn_deg=[0, 0, mapping_deg]) as scene:
+    with hp.Scene.from_toml(ICRA2021, mapping__offset_mm=[0, 0, -15], mapping__turn_deg=[0, 0, mapping_deg]) as scene:
         device = Sweeps(np.radians(mapping_deg + declared_deg), np.radians(declared_deg))
         with hp.Loop(scene, device, ticked_by_caller=True, keep_ticks=True) as loop:
             assert all(loop.tick() for _ in range(384))
@@ -163,7 +163,7 @@ def test_each_wrench_has_one_frame(mapping_deg, declared_deg):
 
 
 def test_a_device_in_python_feels_the_soil():
-    with hp.Scene.from_toml(PAPER) as scene:
+    with hp.Scene.from_toml(ICRA2021) as scene:
         device = Presses()
         with hp.Loop(scene, device, ticked_by_caller=True, keep_ticks=True) as loop:
             with pytest.raises(hp.Busy):
@@ -182,7 +182,7 @@ def test_a_device_in_python_feels_the_soil():
 
 
 def test_the_scenes_own_hand_runs_on_a_thread():
-    with hp.Scene.from_toml(PAPER, loop__paced=False, loop__duration_s=0.5) as scene, hp.Loop(scene) as loop:
+    with hp.Scene.from_toml(ICRA2021, loop__paced=False, loop__duration_s=0.5) as scene, hp.Loop(scene) as loop:
         loop.start()
         until = time.monotonic() + 30
         while loop.snapshot().running and time.monotonic() < until:
@@ -207,7 +207,7 @@ def test_safety_limits_and_lets_go():
 
 
 def episode(seed):
-    env = DigEnv("paper", most_steps=15)
+    env = DigEnv("icra2021", most_steps=15)
     random = np.random.default_rng(seed)
     seen, rewards = [env.reset(seed=seed)[0]], []
     truncated = False
@@ -232,7 +232,7 @@ def test_the_same_seed_is_the_same_episode():
 
 
 def test_spaces_hold_what_comes():
-    env = DigEnv("paper")
+    env = DigEnv("icra2021")
     observation, _ = env.reset(seed=1)
     for name, space in env.observation_space.items():
         assert space.contains(observation[name]), name
@@ -244,8 +244,8 @@ def test_spaces_hold_what_comes():
 
 
 def test_many_environments_are_one_by_one():
-    many = VecDigEnv(3, "paper", threads=2, most_steps=5)
-    one = DigEnv("paper", most_steps=5)
+    many = VecDigEnv(3, "icra2021", threads=2, most_steps=5)
+    one = DigEnv("icra2021", most_steps=5)
     many.reset(seed=10)
     one.reset(seed=11)
     actions = np.random.default_rng(0).uniform(-1, 1, (5, 3, 3))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import haptolith as hp
-from conftest import CONTACT, PAPER
+from conftest import CONTACT, ICRA2021
 from haptolith.recording import Recorder, Recording
 
 
@@ -36,7 +36,7 @@ def recorded(path, scene, ticks=300):
     return path
 
 
-@pytest.mark.parametrize("toml", [PAPER, CONTACT], ids=["paper", "contact"])
+@pytest.mark.parametrize("toml", [ICRA2021, CONTACT], ids=["icra2021", "contact"])
 def test_what_was_recorded_is_run_again_to_the_last_bit(tmp_path, toml):
     path = recorded(tmp_path / "run.h5", hp.Scene.from_toml(toml, mapping__offset_mm=[0, 0, 20]))
     with Recording(path) as recording:
@@ -57,8 +57,8 @@ def test_what_was_recorded_is_run_again_to_the_last_bit(tmp_path, toml):
 
 
 def test_nothing_is_overwritten_unasked(tmp_path):
-    path = recorded(tmp_path / "run.h5", hp.Scene.from_toml(PAPER), 50)
-    scene = hp.Scene.from_toml(PAPER)
+    path = recorded(tmp_path / "run.h5", hp.Scene.from_toml(ICRA2021), 50)
+    scene = hp.Scene.from_toml(ICRA2021)
     with hp.Loop(scene, Stirs(), ticked_by_caller=True, keep_ticks=True) as loop:
         with pytest.raises(hp.Failure, match="run.h5"):
             Recorder(loop, path)
@@ -71,7 +71,7 @@ def test_nothing_is_overwritten_unasked(tmp_path):
 
 def test_the_programs_recordings_are_read_beside_h5py(tmp_path):
     h5py = pytest.importorskip("h5py")
-    path = recorded(tmp_path / "run.h5", hp.Scene.from_toml(PAPER), 120)
+    path = recorded(tmp_path / "run.h5", hp.Scene.from_toml(ICRA2021), 120)
     with h5py.File(path) as file, Recording(path) as recording:
         assert np.array_equal(file["ticks"]["soil_fz_n"][:], recording.ticks["soil"]["force_n"][:, 2])
         assert np.array_equal(file["ticks"]["state_hash"][:], recording.ticks["state_hash"])
@@ -79,7 +79,7 @@ def test_the_programs_recordings_are_read_beside_h5py(tmp_path):
 
 
 def test_of_a_started_loop(tmp_path):
-    scene = hp.Scene.from_toml(PAPER, loop__paced=False, loop__duration_s=1)
+    scene = hp.Scene.from_toml(ICRA2021, loop__paced=False, loop__duration_s=1)
     with hp.Loop(scene, keep_ticks=True) as loop, Recorder(loop, tmp_path / "run.h5", frames_per_s=60) as recorder:
         loop.start()
         while loop.snapshot().running:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import haptolith as hp
-from conftest import CONTACT, PAPER, stirring
+from conftest import CONTACT, ICRA2021, stirring
 
 
 def test_version_and_lists():
@@ -49,7 +49,7 @@ def test_a_state_can_be_set_again_and_again(scene):
         assert np.array_equal(scene.steps(stirring(0, 300)), felt)
     with pytest.raises(hp.HaptolithError):
         scene.state = start[:-1]
-    with hp.Scene.from_toml(PAPER, bed__particles=200) as other, pytest.raises(hp.InvalidParameter):
+    with hp.Scene.from_toml(ICRA2021, bed__particles=200) as other, pytest.raises(hp.InvalidParameter):
         other.state = start
 
 
@@ -68,7 +68,7 @@ def test_views_show_where_particles_are(scene):
 
 
 def test_a_view_outlives_its_scene():
-    scene = hp.Scene.from_toml(PAPER)
+    scene = hp.Scene.from_toml(ICRA2021)
     view = scene.positions
     kept = view.copy()
     scene.close()
@@ -79,7 +79,7 @@ def test_a_view_outlives_its_scene():
 
 def test_checked_views_are_copies(monkeypatch):
     monkeypatch.setenv("HAPTOLITH_CHECK_VIEWS", "1")
-    with hp.Scene.from_toml(PAPER) as scene:
+    with hp.Scene.from_toml(ICRA2021) as scene:
         before = scene.positions
         kept = before.copy()
         scene.steps(stirring(0, 300))
@@ -87,7 +87,7 @@ def test_checked_views_are_copies(monkeypatch):
 
 
 def test_poses_may_be_given_in_several_ways():
-    with hp.Scene.from_toml(PAPER) as scene:
+    with hp.Scene.from_toml(ICRA2021) as scene:
         half = np.sqrt(0.5)
         matrix = np.eye(4)
         matrix[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # a quarter turn about z
@@ -118,16 +118,16 @@ def test_poses_may_be_given_in_several_ways():
 
 def test_wrong_keys_say_what_would_be_right():
     with pytest.raises(hp.InvalidParameter) as raised:
-        hp.Scene("paper", bed__threads=0)
+        hp.Scene("icra2021", bed__threads=0)
     assert (raised.value.key, raised.value.value, raised.value.valid) == ("bed.threads", "0", "a whole number, 1 to 256")
     assert isinstance(raised.value, ValueError)
     assert str(pickle.loads(pickle.dumps(raised.value))) == str(raised.value)
     with pytest.raises(hp.InvalidParameter, match="did you mean"):
         hp.Scene("papr")
     with pytest.raises(TypeError):
-        hp.Scene("paper", bed__threads=object())
+        hp.Scene("icra2021", bed__threads=object())
     with pytest.raises(hp.InvalidParameter):
-        hp.Scene("paper", soil__preset='P3"\nx = "')
+        hp.Scene("icra2021", soil__preset='P3"\nx = "')
 
 
 def test_changes_and_numbers():
@@ -147,7 +147,7 @@ def test_changes_and_numbers():
 
 
 def test_a_closed_scene_says_so():
-    scene = hp.Scene.from_toml(PAPER)
+    scene = hp.Scene.from_toml(ICRA2021)
     scene.close()
     scene.close()
     for use in (lambda: scene.step([0, 0, 0.1]), lambda: scene.state, lambda: scene.positions, lambda: scene.info):
@@ -234,7 +234,7 @@ def test_other_threads_run_during_steps():
 
 
 def test_one_scene_in_two_threads_is_busy_or_fine():
-    with hp.Scene.from_toml(PAPER) as scene:
+    with hp.Scene.from_toml(ICRA2021) as scene:
         outcomes = []
 
         def use():

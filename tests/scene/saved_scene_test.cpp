@@ -26,8 +26,10 @@ HandState at(int tick) {
 }
 
 class SavedSceneOf : public testing::TestWithParam<FrictionModel> {};
-INSTANTIATE_TEST_SUITE_P(EitherFriction, SavedSceneOf, testing::Values(FrictionModel::kPaper, FrictionModel::kContact),
-                         [](const auto& param) { return param.param == FrictionModel::kPaper ? "Paper" : "Contact"; });
+INSTANTIATE_TEST_SUITE_P(EitherFriction, SavedSceneOf,
+                         testing::Values(FrictionModel::kIcra2021, FrictionModel::kContact), [](const auto& param) {
+                           return param.param == FrictionModel::kIcra2021 ? "Icra2021" : "Contact";
+                         });
 
 TEST_P(SavedSceneOf, BytesComeBackAsTheyWere) {
   const BedParameters bed = smallBed(GetParam());
@@ -79,7 +81,7 @@ TEST_P(SavedSceneOf, DamageIsRefusedOrBorne) {
 }
 
 TEST(SavedScene, AToolThatIsNowhereIsRefusedAndNothingHasMoved) {
-  Scene scene(smallBed(FrictionModel::kPaper), {});
+  Scene scene(smallBed(FrictionModel::kIcra2021), {});
   scene.placeTool(at(0));
   (void)scene.tick(at(1));
   const std::string before = serialise(scene.save());
@@ -99,15 +101,15 @@ TEST(SavedScene, AToolThatIsNowhereIsRefusedAndNothingHasMoved) {
 }
 
 TEST(SavedScene, OfAnotherBedIsRefused) {
-  const Scene paper(smallBed(FrictionModel::kPaper), {});
+  const Scene icra2021(smallBed(FrictionModel::kIcra2021), {});
   Scene contact(smallBed(FrictionModel::kContact), {});
-  EXPECT_THROW(contact.restore(paper.save()), InvalidParameter);
-  EXPECT_THROW((void)Scene(smallBed(FrictionModel::kContact), {}, paper.save()), InvalidParameter);
-  EXPECT_THROW((void)Scene(smallBed(FrictionModel::kPaper), {}, SavedScene{}), InvalidParameter);
+  EXPECT_THROW(contact.restore(icra2021.save()), InvalidParameter);
+  EXPECT_THROW((void)Scene(smallBed(FrictionModel::kContact), {}, icra2021.save()), InvalidParameter);
+  EXPECT_THROW((void)Scene(smallBed(FrictionModel::kIcra2021), {}, SavedScene{}), InvalidParameter);
 }
 
 TEST(IsNearBed, IsTheSpaceOfAHandAtATable) {
-  const BedParameters bed = smallBed(FrictionModel::kPaper);
+  const BedParameters bed = smallBed(FrictionModel::kIcra2021);
   EXPECT_TRUE(isNearBed(bed, {0, 0, 0}));
   EXPECT_TRUE(isNearBed(bed, {bed.width_m / 2 + 0.99, 0, -0.99}));
   EXPECT_FALSE(isNearBed(bed, {bed.width_m / 2 + 1.01, 0, 0}));

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-BedParameters paperBed() {
+BedParameters icra2021Bed() {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
   return bed;
@@ -34,19 +34,19 @@ std::vector<double> moveTo(Scene& scene, double height_m, double speed_m_s) {
 }
 
 TEST(Scene, RefusesWrongPartsAndHopelessSteps) {
-  BedParameters bed = paperBed();
+  BedParameters bed = icra2021Bed();
   bed.width_m = -1;
   EXPECT_THROW((Scene{bed, ToolParameters{}}), InvalidParameter);
   ToolParameters tool;
   tool.thickness_m = 0;
-  EXPECT_THROW((Scene{paperBed(), tool}), InvalidParameter);
+  EXPECT_THROW((Scene{icra2021Bed(), tool}), InvalidParameter);
   tool = {};
   tool.stiffness_n_m = 1e7;
-  EXPECT_THROW((Scene{paperBed(), tool}), InvalidParameter);
+  EXPECT_THROW((Scene{icra2021Bed(), tool}), InvalidParameter);
 }
 
 TEST(Scene, ForceRisesWithDepth) {
-  Scene scene(paperBed(), ToolParameters{});
+  Scene scene(icra2021Bed(), ToolParameters{});
   const double surface = scene.bed().surfaceHeight();
   const double touch = surface + 0.0025;  // the lower face of a shovel 5 mm thick at the surface
   scene.placeTool({{{Vec3(0, 0, touch + 0.002), Quat::Identity()}, {}}});
@@ -68,7 +68,7 @@ TEST(Scene, ForceRisesWithDepth) {
 }
 
 TEST(Scene, LiftingPullsByAdhesionBeforeItLetsGo) {
-  Scene scene(paperBed(), ToolParameters{});
+  Scene scene(icra2021Bed(), ToolParameters{});
   const double touch = scene.bed().surfaceHeight() + 0.0025;
   scene.placeTool({{{Vec3(0, 0, touch + 0.002), Quat::Identity()}, {}}});
   moveTo(scene, touch - 0.002, 0.01);
@@ -80,13 +80,13 @@ TEST(Scene, LiftingPullsByAdhesionBeforeItLetsGo) {
 }
 
 TEST(Scene, AboveTheSoilThereIsExactlyNothing) {
-  Scene scene(paperBed(), ToolParameters{});
+  Scene scene(icra2021Bed(), ToolParameters{});
   scene.placeTool({{{Vec3(0, 0, 0.2), Quat::Identity()}, {}}});
   moveTo(scene, 0.1, 0.5);
   EXPECT_EQ(scene.soilWrench().force_n, Vec3::Zero());
   EXPECT_EQ(scene.soilWrench().torque_nm, Vec3::Zero());
   const std::uint64_t with_tool = stateHash(scene.bed().state());
-  Bed alone(paperBed());
+  Bed alone(icra2021Bed());
   while (alone.state().step < scene.bed().state().step) {
     ASSERT_EQ(alone.step(kTick_s), StepStatus::kOk);
   }
@@ -94,7 +94,7 @@ TEST(Scene, AboveTheSoilThereIsExactlyNothing) {
 }
 
 TEST(Scene, SubstepsMoveTheToolInEqualPartsAndMeanTheWrench) {
-  BedParameters bed = paperBed();
+  BedParameters bed = icra2021Bed();
   bed.tick_s = 4e-3;  // 754 rad/s * 4 ms: four substeps
   Scene scene(bed, ToolParameters{});
   ASSERT_EQ(scene.substeps(), 4);
@@ -105,7 +105,7 @@ TEST(Scene, SubstepsMoveTheToolInEqualPartsAndMeanTheWrench) {
 }
 
 TEST(Scene, MovesNoGrainThatLiesNearTheToolNorToThere) {
-  BedParameters bed = paperBed();
+  BedParameters bed = icra2021Bed();
   bed.width_m = bed.length_m = 0.3;
   bed.start = BedStart::kPacked;
   Scene scene(bed, ToolParameters{});
@@ -130,7 +130,7 @@ TEST(Scene, MovesNoGrainThatLiesNearTheToolNorToThere) {
 }
 
 TEST(Scene, AToolThatIsNowhereMovesNoSoilAndTheSceneGoesOn) {
-  Scene scene(paperBed(), ToolParameters{});
+  Scene scene(icra2021Bed(), ToolParameters{});
   const double z = scene.bed().surfaceHeight();
   const HandState here{{{Vec3(0, 0, z), Quat::Identity()}, {}}};
   scene.placeTool(here);

@@ -80,7 +80,7 @@ TEST(AutoScene, BecomesCoarserStepByStep) {
   EXPECT_EQ(steps, 5);
   EXPECT_DOUBLE_EQ(scene_file.bed.soil.radius_m, kGrainRadii_m.front());
   EXPECT_THROW(makeCoarser(scene_file), InvalidParameter);
-  EXPECT_FALSE(canBeCoarser(findSceneFile("paper"))) << "its particles are counted";
+  EXPECT_FALSE(canBeCoarser(findSceneFile("icra2021"))) << "its particles are counted";
   EXPECT_TRUE(canBeCoarser(findSceneFile("regolith")));
 }
 

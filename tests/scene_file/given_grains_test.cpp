@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr const char* kSoil = "[soil]\nfriction = 'contact'\nsize_spread = 0.1\n";
+constexpr const char* kSoil = "[soil]\nfriction_model = 'contact'\nsize_spread = 0.1\n";
 
 class GrainsInAScene : public testing::Test {
  protected:

@@ -40,13 +40,13 @@ struct Golden {
 };
 
 const Golden kScenes[]{
-    {"PaperScoop",
+    {"Icra2021Scoop",
      R"(
 [hand]
 manoeuvre = "scoop"
 )",
      8},
-    {"PaperStir",
+    {"Icra2021Stir",
      R"(
 [hand]
 manoeuvre = "stir"
@@ -75,7 +75,7 @@ manoeuvre = "stir"
      R"(
 [soil]
 preset = "P4"
-friction = "pairwise"
+friction_model = "contact"
 [tool]
 shape = "jaws"
 size_mm = [50, 40, 5]

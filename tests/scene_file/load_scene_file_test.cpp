@@ -95,64 +95,64 @@ TEST_F(LoadSceneFile, ShippedScenesAreValid) {
 }
 
 TEST_F(LoadSceneFile, ThePapersSceneIsTheDefault) {
-  const SceneFile paper = loadSceneFile(sourceDir() / "scenes/paper.toml");
+  const SceneFile icra2021 = loadSceneFile(sourceDir() / "scenes/icra2021.toml");
   const SceneFile preset;
-  EXPECT_EQ(paper.title, preset.title);
-  EXPECT_EQ(paper.preset, preset.preset);
-  EXPECT_EQ(paper.body, preset.body);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.radius_m, preset.bed.soil.radius_m);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.gamma_nm, preset.bed.soil.gamma_nm);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.rho0_kg_m3, preset.bed.soil.rho0_kg_m3);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.rho_max_kg_m3, preset.bed.soil.rho_max_kg_m3);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.mu_hat, preset.bed.soil.mu_hat);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.stiffness_n_m, preset.bed.soil.stiffness_n_m);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.attraction_ratio, preset.bed.soil.attraction_ratio);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.moving_friction_ratio, preset.bed.soil.moving_friction_ratio);
-  EXPECT_EQ(paper.bed.soil.friction, preset.bed.soil.friction);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.contact_friction, preset.bed.soil.contact_friction);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.contact_cohesion_n, preset.bed.soil.contact_cohesion_n);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.cohesion_range_ratio, preset.bed.soil.cohesion_range_ratio);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.tangential_ratio, preset.bed.soil.tangential_ratio);
-  EXPECT_DOUBLE_EQ(paper.bed.soil.damping_ratio, preset.bed.soil.damping_ratio);
-  EXPECT_TRUE(paper.bed.gravity_m_s2.isApprox(preset.bed.gravity_m_s2));
-  EXPECT_EQ(paper.bed.start, preset.bed.start);
-  EXPECT_EQ(paper.bed.particles, preset.bed.particles);
-  EXPECT_EQ(paper.bed.layers, preset.bed.layers);
-  EXPECT_DOUBLE_EQ(paper.bed.width_m, preset.bed.width_m);
-  EXPECT_DOUBLE_EQ(paper.bed.length_m, preset.bed.length_m);
-  EXPECT_DOUBLE_EQ(paper.bed.depth_m, preset.bed.depth_m);
-  EXPECT_EQ(paper.bed.seed, preset.bed.seed);
-  EXPECT_EQ(paper.bed.threads, preset.bed.threads);
-  EXPECT_EQ(paper.bed.sleep, preset.bed.sleep);
-  EXPECT_DOUBLE_EQ(paper.bed.sleep_speed_m_s, preset.bed.sleep_speed_m_s);
-  EXPECT_DOUBLE_EQ(paper.bed.sleep_distance_m, preset.bed.sleep_distance_m);
-  EXPECT_EQ(paper.bed.max_substeps, preset.bed.max_substeps);
-  EXPECT_EQ(paper.tool.shape, preset.tool.shape);
-  EXPECT_TRUE(paper.tool.size_m.isApprox(preset.tool.size_m));
-  EXPECT_DOUBLE_EQ(paper.tool.diameter_m, preset.tool.diameter_m);
-  EXPECT_DOUBLE_EQ(paper.tool.thickness_m, preset.tool.thickness_m);
-  EXPECT_DOUBLE_EQ(paper.tool.stiffness_n_m, preset.tool.stiffness_n_m);
-  EXPECT_DOUBLE_EQ(paper.tool.damping_factor, preset.tool.damping_factor);
-  EXPECT_DOUBLE_EQ(paper.tool.adhesion_ratio, preset.tool.adhesion_ratio);
-  EXPECT_DOUBLE_EQ(paper.tool.friction, preset.tool.friction);
-  EXPECT_DOUBLE_EQ(paper.tool.adhesion_n, preset.tool.adhesion_n);
-  EXPECT_EQ(paper.hand.manoeuvre, preset.hand.manoeuvre);
-  EXPECT_EQ(paper.hand.compliance, preset.hand.compliance);
-  EXPECT_DOUBLE_EQ(paper.hand.mass_kg, preset.hand.mass_kg);
-  EXPECT_DOUBLE_EQ(paper.hand.damping_n_s_m, preset.hand.damping_n_s_m);
-  EXPECT_DOUBLE_EQ(paper.hand.stiffness_n_m, preset.hand.stiffness_n_m);
-  EXPECT_DOUBLE_EQ(paper.hand.lever_m, preset.hand.lever_m);
-  EXPECT_DOUBLE_EQ(paper.hand.period_s, preset.hand.period_s);
-  EXPECT_DOUBLE_EQ(paper.hand.active_s, preset.hand.active_s);
-  EXPECT_TRUE(paper.hand.home_m.isApprox(preset.hand.home_m));
-  EXPECT_DOUBLE_EQ(paper.hand.depth_m, preset.hand.depth_m);
-  EXPECT_EQ(paper.hand.surface_m, preset.hand.surface_m);
-  EXPECT_DOUBLE_EQ(paper.hand.reach_m, preset.hand.reach_m);
-  EXPECT_DOUBLE_EQ(paper.hand.max_force_n, preset.hand.max_force_n);
-  EXPECT_DOUBLE_EQ(paper.hand.max_torque_nm, preset.hand.max_torque_nm);
-  EXPECT_DOUBLE_EQ(paper.loop.duration_s, preset.loop.duration_s);
-  EXPECT_EQ(paper.loop.paced, preset.loop.paced);
-  EXPECT_DOUBLE_EQ(paper.loop.filter_cutoff_hz, preset.loop.filter_cutoff_hz);
+  EXPECT_EQ(icra2021.title, preset.title);
+  EXPECT_EQ(icra2021.preset, preset.preset);
+  EXPECT_EQ(icra2021.body, preset.body);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.radius_m, preset.bed.soil.radius_m);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.gamma_nm, preset.bed.soil.gamma_nm);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.rho0_kg_m3, preset.bed.soil.rho0_kg_m3);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.rho_max_kg_m3, preset.bed.soil.rho_max_kg_m3);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.mu_hat, preset.bed.soil.mu_hat);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.stiffness_n_m, preset.bed.soil.stiffness_n_m);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.attraction_ratio, preset.bed.soil.attraction_ratio);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.moving_friction_ratio, preset.bed.soil.moving_friction_ratio);
+  EXPECT_EQ(icra2021.bed.soil.friction, preset.bed.soil.friction);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.contact_friction, preset.bed.soil.contact_friction);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.contact_cohesion_n, preset.bed.soil.contact_cohesion_n);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.cohesion_range_ratio, preset.bed.soil.cohesion_range_ratio);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.tangential_ratio, preset.bed.soil.tangential_ratio);
+  EXPECT_DOUBLE_EQ(icra2021.bed.soil.damping_ratio, preset.bed.soil.damping_ratio);
+  EXPECT_TRUE(icra2021.bed.gravity_m_s2.isApprox(preset.bed.gravity_m_s2));
+  EXPECT_EQ(icra2021.bed.start, preset.bed.start);
+  EXPECT_EQ(icra2021.bed.particles, preset.bed.particles);
+  EXPECT_EQ(icra2021.bed.layers, preset.bed.layers);
+  EXPECT_DOUBLE_EQ(icra2021.bed.width_m, preset.bed.width_m);
+  EXPECT_DOUBLE_EQ(icra2021.bed.length_m, preset.bed.length_m);
+  EXPECT_DOUBLE_EQ(icra2021.bed.depth_m, preset.bed.depth_m);
+  EXPECT_EQ(icra2021.bed.seed, preset.bed.seed);
+  EXPECT_EQ(icra2021.bed.threads, preset.bed.threads);
+  EXPECT_EQ(icra2021.bed.sleep, preset.bed.sleep);
+  EXPECT_DOUBLE_EQ(icra2021.bed.sleep_speed_m_s, preset.bed.sleep_speed_m_s);
+  EXPECT_DOUBLE_EQ(icra2021.bed.sleep_distance_m, preset.bed.sleep_distance_m);
+  EXPECT_EQ(icra2021.bed.max_substeps, preset.bed.max_substeps);
+  EXPECT_EQ(icra2021.tool.shape, preset.tool.shape);
+  EXPECT_TRUE(icra2021.tool.size_m.isApprox(preset.tool.size_m));
+  EXPECT_DOUBLE_EQ(icra2021.tool.diameter_m, preset.tool.diameter_m);
+  EXPECT_DOUBLE_EQ(icra2021.tool.thickness_m, preset.tool.thickness_m);
+  EXPECT_DOUBLE_EQ(icra2021.tool.stiffness_n_m, preset.tool.stiffness_n_m);
+  EXPECT_DOUBLE_EQ(icra2021.tool.damping_factor, preset.tool.damping_factor);
+  EXPECT_DOUBLE_EQ(icra2021.tool.adhesion_ratio, preset.tool.adhesion_ratio);
+  EXPECT_DOUBLE_EQ(icra2021.tool.friction, preset.tool.friction);
+  EXPECT_DOUBLE_EQ(icra2021.tool.adhesion_n, preset.tool.adhesion_n);
+  EXPECT_EQ(icra2021.hand.manoeuvre, preset.hand.manoeuvre);
+  EXPECT_EQ(icra2021.hand.compliance, preset.hand.compliance);
+  EXPECT_DOUBLE_EQ(icra2021.hand.mass_kg, preset.hand.mass_kg);
+  EXPECT_DOUBLE_EQ(icra2021.hand.damping_n_s_m, preset.hand.damping_n_s_m);
+  EXPECT_DOUBLE_EQ(icra2021.hand.stiffness_n_m, preset.hand.stiffness_n_m);
+  EXPECT_DOUBLE_EQ(icra2021.hand.lever_m, preset.hand.lever_m);
+  EXPECT_DOUBLE_EQ(icra2021.hand.period_s, preset.hand.period_s);
+  EXPECT_DOUBLE_EQ(icra2021.hand.active_s, preset.hand.active_s);
+  EXPECT_TRUE(icra2021.hand.home_m.isApprox(preset.hand.home_m));
+  EXPECT_DOUBLE_EQ(icra2021.hand.depth_m, preset.hand.depth_m);
+  EXPECT_EQ(icra2021.hand.surface_m, preset.hand.surface_m);
+  EXPECT_DOUBLE_EQ(icra2021.hand.reach_m, preset.hand.reach_m);
+  EXPECT_DOUBLE_EQ(icra2021.hand.max_force_n, preset.hand.max_force_n);
+  EXPECT_DOUBLE_EQ(icra2021.hand.max_torque_nm, preset.hand.max_torque_nm);
+  EXPECT_DOUBLE_EQ(icra2021.loop.duration_s, preset.loop.duration_s);
+  EXPECT_EQ(icra2021.loop.paced, preset.loop.paced);
+  EXPECT_DOUBLE_EQ(icra2021.loop.filter_cutoff_hz, preset.loop.filter_cutoff_hz);
 }
 
 TEST_F(LoadSceneFile, MillimetresBecomeMetresAndWordsBecomeMeanings) {
@@ -198,18 +198,20 @@ TEST_F(LoadSceneFile, SoilGivenByNumbersIsNoPreset) {
   EXPECT_DOUBLE_EQ(scene.bed.soil.rho0_kg_m3, 1330);
 }
 
-TEST_F(LoadSceneFile, ThePreviousWordForContactFrictionIsStillRead) {
+TEST_F(LoadSceneFile, ThePreviousWordsForFrictionAreStillRead) {
   EXPECT_EQ(load("[soil]\npreset = 'P3'\nfriction = 'pairwise'\n").bed.soil.friction, FrictionModel::kContact);
-  EXPECT_EQ(load("[soil]\npreset = 'P3'\nfriction = 'Pairwise'\n").bed.soil.friction, FrictionModel::kContact);
+  EXPECT_EQ(load("[soil]\npreset = 'P3'\nfriction_model = 'Pairwise'\n").bed.soil.friction, FrictionModel::kContact);
+  EXPECT_EQ(load("[soil]\nname = 'dry-sand'\nfriction = 'paper'\n").bed.soil.friction, FrictionModel::kIcra2021);
+  EXPECT_TRUE(findSceneFile("paper") == findSceneFile("icra2021")) << "the name of earlier versions";
 }
 
 TEST_F(LoadSceneFile, FrictionHasTwoModelsEachWithItsNumbers) {
-  EXPECT_EQ(load("[soil]\npreset = 'P3'\n").bed.soil.friction, FrictionModel::kPaper);
+  EXPECT_EQ(load("[soil]\npreset = 'P3'\n").bed.soil.friction, FrictionModel::kIcra2021);
   const SceneFile scene = load(R"(
     [soil]
     preset = "P3"
     radius_mm = 3.5
-    friction = "Contact"
+    friction_model = "Contact"
     contact_friction = 0.7
     contact_cohesion_n = 0.1
     cohesion_range_ratio = 0.2
@@ -303,10 +305,10 @@ TEST_F(LoadSceneFile, ValuesOutOfRangeAreRefused) {
 }
 
 TEST_F(LoadSceneFile, NonsenseAboutFrictionIsRefused) {
-  EXPECT_EQ(errorOf("[soil]\nfriction = 'none'\n"),
-            "x.toml:2: [soil] friction = 'none' is not valid: must be paper or contact");
-  EXPECT_EQ(errorOf("[soil]\nfriction = 0.7\n"),
-            "x.toml:2: [soil] friction = 0.7 is not valid: must be paper or contact");
+  EXPECT_EQ(errorOf("[soil]\nfriction_model = 'none'\n"),
+            "x.toml:2: [soil] friction_model = 'none' is not valid: must be icra2021 or contact");
+  EXPECT_EQ(errorOf("[soil]\nfriction_model = 0.7\n"),
+            "x.toml:2: [soil] friction_model = 0.7 is not valid: must be icra2021 or contact");
   EXPECT_EQ(errorOf("[soil]\n\ncontact_friction = -0.7\n"),
             "x.toml:3: [soil] contact_friction = -0.7 is not valid: must be 0 to 10");
   EXPECT_EQ(errorOf("[soil]\ncohesion_range_ratio = 0\n"),
@@ -327,8 +329,9 @@ TEST_F(LoadSceneFile, NanAndInfinityAreRefused) {
 TEST_F(LoadSceneFile, ValuesThatDoNotGoTogetherAreRefused) {
   EXPECT_THAT(errorOf("[soil]\nrho0_kg_m3 = 1330\nrho_max_kg_m3 = 1000\n"),
               HasSubstr("x.toml:3: [soil] rho_max_kg_m3 = 1000 is not valid: must be > 1330"));
-  EXPECT_THAT(errorOf("[soil]\nrho0_kg_m3 = 2000\n"),
-              HasSubstr("x.toml: [soil] rho_max_kg_m3 = 1824 (left out, so the paper's) is not valid: must be > 2000"));
+  EXPECT_THAT(
+      errorOf("[soil]\nrho0_kg_m3 = 2000\n"),
+      HasSubstr("x.toml: [soil] rho_max_kg_m3 = 1824 (left out, so as in icra2021) is not valid: must be > 2000"));
   EXPECT_THAT(errorOf("[bed]\nlength_mm = 200\nwidth_mm = 5\n"), HasSubstr("x.toml:3: [bed] width_mm = 5"));
   EXPECT_EQ(errorOf("[soil]\npreset = 'P1'\nmu_hat = 0.3\n"),
             "x.toml:3: [soil] preset and mu_hat cannot both be given");
@@ -341,7 +344,7 @@ TEST_F(LoadSceneFile, ValuesThatDoNotGoTogetherAreRefused) {
 TEST_F(LoadSceneFile, ALimitThatFollowsFromOtherValuesIsToldInTheUnitOfTheKey) {
   EXPECT_EQ(errorOf("[bed]\nwidth_mm = 5\n"), "x.toml:2: [bed] width_mm = 5 is not valid: must be 14 to 100000 (mm)");
   EXPECT_THAT(errorOf("[soil]\nradius_mm = 80\n"),
-              HasSubstr("[bed] width_mm = 126 (left out, so the paper's) is not valid: must be 160 to 100000 (mm)"));
+              HasSubstr("[bed] width_mm = 126 (left out, so as in icra2021) is not valid: must be 160 to 100000 (mm)"));
 }
 
 TEST_F(LoadSceneFile, WordsSuggestTheNearest) {
@@ -353,7 +356,7 @@ TEST_F(LoadSceneFile, AKeyThatCanNeverHaveAnEffectIsRefused) {
             "x.toml:2: [bed] depth_mm has no effect: it needs [bed] start = packed or settled");
   EXPECT_EQ(errorOf("[coupling]\nkind = 'direct'\nstiffness_n_m = 300\n"),
             "x.toml:3: [coupling] stiffness_n_m has no effect: it needs [coupling] kind = auto or virtual");
-  EXPECT_NO_THROW((void)load("[bed]\ndepth_mm = 40\n")) << "the usual value, as the paper's scene writes it out";
+  EXPECT_NO_THROW((void)load("[bed]\ndepth_mm = 40\n")) << "the usual value, as the scene icra2021 writes it out";
   EXPECT_NO_THROW((void)loadSceneFileText("[bed]\ndepth_mm = 90\n", "a recording"));
 }
 
@@ -363,7 +366,7 @@ TEST_F(LoadSceneFile, AKeyThatHasNoEffectYetIsTold) {
   const SceneFile scene = loadSceneFile(path);
   EXPECT_THAT(idleKeys(path.string(), scene),
               testing::ElementsAre(
-                  path.string() + ":3: [soil] contact_friction has no effect: it needs [soil] friction = contact",
+                  path.string() + ":3: [soil] contact_friction has no effect: it needs [soil] friction_model = contact",
                   path.string() + ":6: [tool] size_mm has no effect: it needs [tool] shape = box or jaws"));
   SceneFile switched = scene;
   switched.bed.soil.friction = FrictionModel::kContact;
@@ -385,7 +388,7 @@ TEST_F(LoadSceneFile, BuiltInScenesAreTheFilesByTheirNames) {
       EXPECT_EQ(findSceneFile(name), loadSceneFile(sourceDir() / "scenes" / (name + ".toml"))) << name;
     }
   }
-  EXPECT_THAT(sceneNames(), testing::IsSupersetOf({"paper", "rain", "sandbox"}));
+  EXPECT_THAT(sceneNames(), testing::IsSupersetOf({"icra2021", "rain", "sandbox"}));
   EXPECT_THAT([] { (void)findSceneFile("sandbx"); },
               testing::ThrowsMessage<InvalidParameter>(HasSubstr("did you mean sandbox?")));
 }

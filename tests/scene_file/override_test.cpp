@@ -44,17 +44,18 @@ TEST(Overrides, TakeTheFilesRivalsWithThem) {
 }
 
 TEST(Overrides, ANamedSoilIsThatSoilWithItsOwnFrictionAsWithTheOptionSoil) {
-  const SceneFile named = findSceneFile("paper", Texts{"soil.name=dry-sand"});
-  SceneFile by_option = findSceneFile("paper");
+  const SceneFile named = findSceneFile("icra2021", Texts{"soil.name=dry-sand"});
+  SceneFile by_option = findSceneFile("icra2021");
   changeSoil(by_option, "dry-sand");
   EXPECT_EQ(named.bed.soil, by_option.bed.soil);
-  EXPECT_EQ(named.bed.soil.friction, FrictionModel::kContact) << "the paper's scene says paper";
+  EXPECT_EQ(named.bed.soil.friction, FrictionModel::kContact) << "the scene icra2021 says icra2021";
   EXPECT_EQ(named.bed.start, by_option.bed.start) << "no crystal";
-  SceneFile by_preset = findSceneFile("paper");
+  SceneFile by_preset = findSceneFile("icra2021");
   changePreset(by_preset, "P1");
-  EXPECT_EQ(findSceneFile("paper", Texts{"soil.preset=P1"}).bed.soil, by_preset.bed.soil);
-  const SceneFile own = findSceneFile("paper", Texts{"soil.name=dry-sand", "soil.friction=paper", "bed.start=packed"});
-  EXPECT_EQ(own.bed.soil.friction, FrictionModel::kPaper);
+  EXPECT_EQ(findSceneFile("icra2021", Texts{"soil.preset=P1"}).bed.soil, by_preset.bed.soil);
+  const SceneFile own =
+      findSceneFile("icra2021", Texts{"soil.name=dry-sand", "soil.friction_model=icra2021", "bed.start=packed"});
+  EXPECT_EQ(own.bed.soil.friction, FrictionModel::kIcra2021);
   EXPECT_EQ(own.bed.start, BedStart::kPacked);
 }
 
@@ -109,7 +110,7 @@ TEST(Overrides, SayWhichOfThemIsWrong) {
 
 TEST(Overrides, WithoutEffectIsToldOfThemAndNotOfTheFilesKeysThatTheyReplace) {
   const Texts overrides{"soil.name=dry-sand", "tool.shape=sphere", "tool.size_mm=[10, 10, 10]"};
-  const auto idle = idleKeys("paper", findSceneFile("paper", overrides), overrides);
+  const auto idle = idleKeys("icra2021", findSceneFile("icra2021", overrides), overrides);
   EXPECT_THAT(idle, testing::ElementsAre(
                         testing::StartsWith("override tool.size_mm=[10, 10, 10]: [tool] size_mm has no effect")));
 }

@@ -81,7 +81,7 @@ TEST(SceneFileKeys, TheDocumentHasNoOthers) {
 }
 
 TEST(SceneFileKeys, AreAllInThePapersScene) {
-  const std::string scene = readSource("scenes/paper.toml");
+  const std::string scene = readSource("scenes/icra2021.toml");
   for (const SceneFileKey& key : sceneFileKeys()) {
     EXPECT_THAT(scene, HasSubstr(std::string(key.name) + " = "));
   }

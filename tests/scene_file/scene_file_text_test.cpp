@@ -61,7 +61,7 @@ TEST(SceneFileText, RefusesAToolThatOnlyTheLaboratoryHas) {
 
 TEST(SceneFileText, GivesThePapersSceneBackToTheNumbersThatWereWritten) {
   const std::string text = sceneFileText({});
-  EXPECT_THAT(text, HasSubstr("title = \"The paper's scene\"\n"));
+  EXPECT_THAT(text, HasSubstr("title = \"The scene of the ICRA 2021 paper\"\n"));
   EXPECT_THAT(text, HasSubstr("\n[soil]\nradius_mm = 7\ngamma_nm = 4e-05\nrho0_kg_m3 = 1330\n"));
   EXPECT_THAT(text, HasSubstr("\nsize_mm = [50, 40, 5]\n"));
   EXPECT_THAT(text, HasSubstr("\n[names]\npreset = \"P3\"\nbody = \"Moon\"\n"));
@@ -173,7 +173,7 @@ std::string someValue(const SceneFileKey& key, std::mt19937_64& random) {
 /// As above, with consistent values: soil that carries its own weight, in a box that holds it.
 std::string likelyValue(const SceneFileKey& key, std::mt19937_64& random) {
   const auto about = [&](double middle) { return fmt::format("{}", middle * (1 + 0.3 * uniformSigned(random))); };
-  if (key.table == "soil" && key.name != "friction") {
+  if (key.table == "soil" && key.name != "friction_model") {
     for (const auto& [name, middle] :
          {std::pair{"radius_mm", 7.0}, std::pair{"gamma_nm", 4e-5}, std::pair{"rho0_kg_m3", 1000.0},
           std::pair{"rho_max_kg_m3", 2500.0}, std::pair{"stiffness_n_m", 1000.0}}) {

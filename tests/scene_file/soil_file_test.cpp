@@ -39,7 +39,7 @@ const std::string kTarget =
     "name = 'x'\n[target]\nbulk_density_kg_m3 = 1500\nfriction_angle_deg = 42\ncohesion_pa = 520\n";
 const std::string kSoil =
     "[soil]\nradius_mm = 7\ngamma_nm = 4e-5\nrho0_kg_m3 = 1425\nrho_max_kg_m3 = 1995\nstiffness_n_m = 2000\n"
-    "friction = 'contact'\ncontact_friction = 0.7\ncontact_cohesion_n = 0.1\n";
+    "friction_model = 'contact'\ncontact_friction = 0.7\ncontact_cohesion_n = 0.1\n";
 
 class SoilFiles : public testing::Test {
  protected:
@@ -157,7 +157,7 @@ SoilFile awkwardSoil() {
 // --- what is read and written ---
 
 TEST_F(SoilFiles, WhatIsSavedIsLoadedToTheLastBit) {
-  for (const FrictionModel friction : {FrictionModel::kContact, FrictionModel::kPaper}) {
+  for (const FrictionModel friction : {FrictionModel::kContact, FrictionModel::kIcra2021}) {
     SoilFile soil = awkwardSoil();
     soil.soil.friction = friction;
     soil.soil.mu_hat = 0.1 / 3;
@@ -357,9 +357,9 @@ TEST_F(SoilFiles, HalfASoilIsRefused) {
   }
   EXPECT_EQ(errorOf(whole + "[reached]\nseeds = 5\n"),
             "x.toml: [reached] friction_angle_deg is missing, see docs/reference/soils.md");
-  std::string paper = whole;
-  paper.replace(paper.find("contact"), 7, "paper");
-  EXPECT_EQ(errorOf(paper), "x.toml: [soil] mu_hat is missing, see docs/reference/soils.md");
+  std::string icra2021 = whole;
+  icra2021.replace(icra2021.find("contact"), 7, "icra2021");
+  EXPECT_EQ(errorOf(icra2021), "x.toml: [soil] mu_hat is missing, see docs/reference/soils.md");
 }
 
 TEST_F(SoilFiles, NumbersThatDoNotGoTogetherAreRefused) {
@@ -475,7 +475,7 @@ TEST(SoilFileKeys, OfSoilAreThoseOfASceneThatAreNumbersOfTheSoil) {
   }
   const auto in_scenes = std::ranges::count(sceneFileKeys(), std::string_view("soil"), &SceneFileKey::table);
   EXPECT_EQ(std::ssize(names) + 3, in_scenes) << "all but preset, name and file";
-  EXPECT_THAT(names, AllOf(testing::Contains("friction"), Not(testing::Contains("preset")),
+  EXPECT_THAT(names, AllOf(testing::Contains("friction_model"), Not(testing::Contains("preset")),
                            Not(testing::Contains("name")), Not(testing::Contains("file"))));
 }
 

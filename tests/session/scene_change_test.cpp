@@ -164,7 +164,7 @@ TEST(SceneChange, OnlyOtherSoilWantsANewBed) {
   change.body = "Mars";
   change.sliders = {{"friction_angle_deg", 30}};
   EXPECT_FALSE(change.wantsNewBed());
-  change.friction = FrictionModel::kPaper;
+  change.friction = FrictionModel::kIcra2021;
   EXPECT_TRUE(change.wantsNewBed());
 }
 

@@ -113,7 +113,7 @@ TEST(SoilSliders, WhereNothingWasCalibratedContactsAreCalledContacts) {
   scene_file.bed.soil.stiffness_n_m *= 2;
   EXPECT_FALSE(calibrationOf(scene_file)) << "not the soil of that name any more";
   scene_file = sceneWith("dry-sand");
-  scene_file.bed.soil.friction = FrictionModel::kPaper;
+  scene_file.bed.soil.friction = FrictionModel::kIcra2021;
   EXPECT_FALSE(calibrationOf(scene_file));
   SoilParameters soil = findPreset("P3").soil;
   soil.friction = FrictionModel::kContact;
@@ -123,7 +123,7 @@ TEST(SoilSliders, WhereNothingWasCalibratedContactsAreCalledContacts) {
 
 TEST(SoilSliders, EveryValueIsWithinItsOwnRange) {
   for (const Preset& preset : presets()) {
-    for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
+    for (const FrictionModel friction : {FrictionModel::kIcra2021, FrictionModel::kContact}) {
       SoilParameters soil = preset.soil;
       soil.friction = friction;
       for (const SoilSlider& slider : slidersOf(soil)) {

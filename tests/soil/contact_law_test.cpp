@@ -133,8 +133,8 @@ TEST(ContactLaw, StaysASpringWithAnotherStiffnessIfItIsOne) {
 }
 
 TEST(ContactLaw, EnergyIsTheIntegralOfTheForce) {
-  SoilParameters paper = findPreset("P3").soil;
-  for (const SoilParameters& soil : {paper, contactFriction(0), contactFriction(0.03)}) {
+  SoilParameters icra2021 = findPreset("P3").soil;
+  for (const SoilParameters& soil : {icra2021, contactFriction(0), contactFriction(0.03)}) {
     const ContactLaw law = makeContactLaw(soil);
     EXPECT_EQ(contactEnergy(law, law.cutoff_m), 0);
     double work = 0;

@@ -9,7 +9,7 @@
 namespace haptolith {
 namespace {
 
-SceneFile paperScene(const char* preset = "P3") {
+SceneFile icra2021Scene(const char* preset = "P3") {
   SceneFile scene;
   changePreset(scene, preset);
   return scene;
@@ -34,31 +34,31 @@ SceneFile grains(const char* body) {
 
 TEST(Exploration, OfTheSameSeedFeelsTheSame) {
   const ExplorationOptions options{.rounds = 1, .seed = 7};
-  const LevelBed bed = levelBed(paperScene());
-  const Exploration once = explore(paperScene(), bed, options);
-  EXPECT_EQ(explore(paperScene(), options).summary.mean_force_n, once.summary.mean_force_n);
-  EXPECT_NE(explore(paperScene(), bed, {.rounds = 1, .seed = 8}).summary.mean_force_n, once.summary.mean_force_n);
+  const LevelBed bed = levelBed(icra2021Scene());
+  const Exploration once = explore(icra2021Scene(), bed, options);
+  EXPECT_EQ(explore(icra2021Scene(), options).summary.mean_force_n, once.summary.mean_force_n);
+  EXPECT_NE(explore(icra2021Scene(), bed, {.rounds = 1, .seed = 8}).summary.mean_force_n, once.summary.mean_force_n);
 }
 
 TEST(Exploration, WithoutVariationRepeatsItselfWhateverTheSeed) {
-  const LevelBed bed = levelBed(paperScene());
-  const Exploration one = explore(paperScene(), bed, {.rounds = 1, .seed = 1, .variation = 0});
-  const Exploration other = explore(paperScene(), bed, {.rounds = 1, .seed = 2, .variation = 0});
+  const LevelBed bed = levelBed(icra2021Scene());
+  const Exploration one = explore(icra2021Scene(), bed, {.rounds = 1, .seed = 1, .variation = 0});
+  const Exploration other = explore(icra2021Scene(), bed, {.rounds = 1, .seed = 2, .variation = 0});
   EXPECT_EQ(one.summary.mean_force_n, other.summary.mean_force_n);
 }
 
 TEST(Exploration, LastsItsRounds) {
-  const Exploration done = explore(paperScene(), {.rounds = 3, .variation = 0});
-  EXPECT_NEAR(done.summary.duration_s, 3 * paperScene().hand.period_s, 0.002);
+  const Exploration done = explore(icra2021Scene(), {.rounds = 3, .variation = 0});
+  EXPECT_NEAR(done.summary.duration_s, 3 * icra2021Scene().hand.period_s, 0.002);
 }
 
 TEST(Exploration, DrawsHandsAroundTheScenes) {
-  const HandParameters usual = paperScene().hand;
+  const HandParameters usual = icra2021Scene().hand;
   bool mirrored = false;
   int turns = 0;
   double sum_m = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const ExploringHand drawn = exploringHand(paperScene(), {.manoeuvre = Manoeuvre::kPress, .seed = seed});
+    const ExploringHand drawn = exploringHand(icra2021Scene(), {.manoeuvre = Manoeuvre::kPress, .seed = seed});
     EXPECT_NEAR(drawn.hand.home_m.x(), usual.home_m.x(), 0.005);
     EXPECT_NEAR(drawn.hand.period_s / usual.period_s, 1, 0.1);
     EXPECT_DOUBLE_EQ(drawn.hand.mass_kg / usual.mass_kg, drawn.hand.stiffness_n_m / usual.stiffness_n_m);
@@ -73,28 +73,28 @@ TEST(Exploration, DrawsHandsAroundTheScenes) {
 }
 
 TEST(Exploration, FeelsTheSameWhenHandAndSoilAreMirrored) {
-  const LevelBed bed = levelBed(paperScene());
-  ExploringHand hand{.hand = paperScene().hand};
+  const LevelBed bed = levelBed(icra2021Scene());
+  ExploringHand hand{.hand = icra2021Scene().hand};
   hand.hand.manoeuvre = Manoeuvre::kPress;
   hand.hand.home_m.y() = 0.004;
-  const double here_n = explore(paperScene(), bed, hand, 1).summary.mean_force_n;
+  const double here_n = explore(icra2021Scene(), bed, hand, 1).summary.mean_force_n;
   hand.hand.home_m.y() = -0.004;
-  const double there_n = explore(paperScene(), bed, hand, 1).summary.mean_force_n;
+  const double there_n = explore(icra2021Scene(), bed, hand, 1).summary.mean_force_n;
   hand.mirrored = true;
-  const double mirrored_n = explore(paperScene(), bed, hand, 1).summary.mean_force_n;
+  const double mirrored_n = explore(icra2021Scene(), bed, hand, 1).summary.mean_force_n;
   EXPECT_NEAR(mirrored_n, here_n, 1e-5 * here_n);
   EXPECT_GT(std::abs(there_n - here_n), 1e-4 * here_n);
 }
 
 TEST(Exploration, MeetsMoreResistanceWhereThereIsMoreFriction) {
   const ExplorationOptions stir{.rounds = 1, .variation = 0};
-  EXPECT_GT(explore(paperScene("P1"), stir).summary.mean_force_n,
-            1.2 * explore(paperScene("P6"), stir).summary.mean_force_n);
+  EXPECT_GT(explore(icra2021Scene("P1"), stir).summary.mean_force_n,
+            1.2 * explore(icra2021Scene("P6"), stir).summary.mean_force_n);
 }
 
 TEST(Exploration, OnlyLiftingCarries) {
-  EXPECT_TRUE(std::isnan(explore(paperScene(), {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).carried_n));
-  EXPECT_TRUE(std::isfinite(explore(paperScene(), {.manoeuvre = Manoeuvre::kScoop, .rounds = 1}).carried_n));
+  EXPECT_TRUE(std::isnan(explore(icra2021Scene(), {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).carried_n));
+  EXPECT_TRUE(std::isfinite(explore(icra2021Scene(), {.manoeuvre = Manoeuvre::kScoop, .rounds = 1}).carried_n));
 }
 
 TEST(Exploration, FeelsTheWeightOfTheGrainsOnTheTool) {
@@ -198,10 +198,10 @@ TEST(Exploration, MeetsAStoneFromAnySideOfTheBed) {
 }
 
 TEST(Exploration, RefusesNonsense) {
-  EXPECT_THROW((void)explore(paperScene(), {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
-  EXPECT_THROW((void)explore(paperScene(), {.rounds = 0}), InvalidParameter);
-  EXPECT_THROW((void)explore(paperScene(), {.variation = -0.1}), InvalidParameter);
-  EXPECT_THROW((void)explore(paperScene(), {.variation = 2.1}), InvalidParameter);
+  EXPECT_THROW((void)explore(icra2021Scene(), {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
+  EXPECT_THROW((void)explore(icra2021Scene(), {.rounds = 0}), InvalidParameter);
+  EXPECT_THROW((void)explore(icra2021Scene(), {.variation = -0.1}), InvalidParameter);
+  EXPECT_THROW((void)explore(icra2021Scene(), {.variation = 2.1}), InvalidParameter);
 }
 
 }  // namespace

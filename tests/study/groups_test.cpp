@@ -507,7 +507,7 @@ TEST(WithoutGroups, OrdersAndSeedsAreAsTheyWereBeforeThereWereGroups) {
     }
     return hash;
   };
-  EXPECT_EQ(hashOf("paper"), 3887341813211468191U);
+  EXPECT_EQ(hashOf("icra2021"), 3887341813211468191U);
   EXPECT_EQ(hashOf("friction-quest"), 6998821044387551895U);
 }
 

@@ -77,12 +77,13 @@ TEST(ShippedProtocols, AreAllValid) {
 }
 
 TEST(ShippedProtocols, AreTheFilesInTheirFolder) {
-  EXPECT_EQ(findProtocol("PAPER").text, readSource("protocols/paper.toml"));
+  EXPECT_EQ(findProtocol("ICRA2021").text, readSource("protocols/icra2021.toml"));
+  EXPECT_EQ(findProtocol("PAPER").text, readSource("protocols/icra2021.toml")) << "the name of earlier versions";
   EXPECT_THROW((void)findProtocol(std::string(300, 'x')), InvalidParameter) << "no file can have that name";
 }
 
 TEST(ShippedProtocols, HaveThePapersFrictionExperiment) {
-  const StudyProtocol protocol = load(findProtocol("paper-friction").text);
+  const StudyProtocol protocol = load(findProtocol("icra2021-friction").text);
   ASSERT_EQ(protocol.blocks.size(), 1U);
   const StudyBlock& block = protocol.blocks[0];
   EXPECT_THAT(names(block.levels), ElementsAre("P6", "P5", "P4", "P2", "P1"));
@@ -98,7 +99,7 @@ TEST(ShippedProtocols, HaveThePapersFrictionExperiment) {
 }
 
 TEST(ShippedProtocols, HaveThePapersGravityExperimentWithP4) {
-  const StudyProtocol protocol = load(findProtocol("paper-gravity").text);
+  const StudyProtocol protocol = load(findProtocol("icra2021-gravity").text);
   const StudyBlock& block = protocol.blocks.at(0);
   EXPECT_THAT(names(block.levels), ElementsAre("Ceres", "Pluto", "Europa", "Mars", "Earth"));
   EXPECT_THAT(values(block.levels), ElementsAre(0.270, 0.625, 1.314, 3.721, 9.807));
@@ -111,7 +112,7 @@ TEST(ShippedProtocols, HaveThePapersGravityExperimentWithP4) {
 }
 
 TEST(ShippedProtocols, HaveBothInTurns) {
-  const StudyProtocol protocol = load(findProtocol("paper").text);
+  const StudyProtocol protocol = load(findProtocol("icra2021").text);
   ASSERT_EQ(protocol.blocks.size(), 2U);
   EXPECT_EQ(protocol.order, BlockOrder::kLatinSquare);
 }
@@ -172,7 +173,7 @@ TEST(ShippedProtocols, AreListedWhenAnotherIsAskedFor) {
     (void)findProtocol("papr");
     FAIL() << "no error";
   } catch (const InvalidParameter& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("'papr'"), HasSubstr("paper-gravity")));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("'papr'"), HasSubstr("icra2021-gravity")));
   }
 }
 
@@ -280,6 +281,13 @@ TEST(Protocol, ChangesTheSceneOfABlock) {
   EXPECT_EQ(scene.body, "Earth");
 }
 
+TEST(Protocol, ReadsTheKeyAndWordsOfEarlierVersionsForTheFrictionModel) {
+  const StudyProtocol protocol =
+      load(kTitle + kNames +
+           "varies = 'body'\nreference = 'Moon'\nlevels = ['Mars', 'Ceres']\n[block.scene]\nfriction = 'paper'\n");
+  EXPECT_EQ(protocol.blocks[0].scene.friction, FrictionModel::kIcra2021);
+}
+
 TEST(Protocol, VariesNumbersOfTheScene) {
   const auto scene = [](const std::string& varied, const char* scene_name) {
     const StudyProtocol protocol = load(kTitle + "scene = '" + scene_name + "'\n" + kNames + varied);
@@ -290,7 +298,7 @@ TEST(Protocol, VariesNumbersOfTheScene) {
   EXPECT_EQ(scene("varies = 'soil_depth_mm'\n" + numbers, "buried-stone").bed.depth_m, 0.05);
   EXPECT_EQ(scene("varies = 'stone_size_mm'\n" + numbers, "buried-stone").bed.stones.placed[0].size_m, 0.05);
   EXPECT_EQ(scene("varies = 'stone_depth_mm'\n" + numbers, "firm-ground").bed.stones.placed[0].depth_m, 0.05);
-  EXPECT_EQ(scene("varies = 'gravity_m_s2'\n" + numbers, "paper").bed.gravity_m_s2, Vec3(0, 0, -50));
+  EXPECT_EQ(scene("varies = 'gravity_m_s2'\n" + numbers, "icra2021").bed.gravity_m_s2, Vec3(0, 0, -50));
   EXPECT_EQ(scene("varies = 'soil_depth_mm'\n" + numbers + "[block.scene]\nstone_size_mm = 12\n", "buried-stone")
                 .bed.stones.placed[0]
                 .size_m,
@@ -314,9 +322,9 @@ TEST(Protocol, TakesItsSceneFromBesideIt) {
 }
 
 TEST(Protocol, ShowsTheFarthestLevelInCatchTrials) {
-  EXPECT_EQ(farthestLevel(load(findProtocol("paper-friction").text).blocks[0]), 4U);  // P1
+  EXPECT_EQ(farthestLevel(load(findProtocol("icra2021-friction").text).blocks[0]), 4U);  // P1
   // Ceres is six times less than the Moon, Earth six times more; over the logarithm Earth is a little farther.
-  StudyBlock gravity = load(findProtocol("paper-gravity").text).blocks[0];
+  StudyBlock gravity = load(findProtocol("icra2021-gravity").text).blocks[0];
   EXPECT_EQ(gravity.levels[farthestLevel(gravity)].name, "Earth");
   gravity.levels[0].value = 0.1;
   EXPECT_EQ(gravity.levels[farthestLevel(gravity)].name, "Ceres");

@@ -344,14 +344,14 @@ TEST(WilliamsDesign, HasEachBlockInEachPlaceAndAfterEachOtherEquallyOften) {
 }
 
 TEST(NextNumber, GivesTheRowThatIsLeastUsedByThoseWhoStay) {
-  const ProtocolText text = findProtocol("paper");
-  const StudyProtocol paper = loadProtocolText(text.text, text.name);
-  EXPECT_EQ(nextNumber(paper, {}, 0), 1);
-  EXPECT_EQ(nextNumber(paper, std::array{1}, 1), 2);
-  EXPECT_EQ(nextNumber(paper, std::array{1, 2}, 2), 3);
-  EXPECT_EQ(nextNumber(paper, std::array{1}, 2), 4) << "the second withdrew: its order comes again";
-  EXPECT_EQ(nextNumber(paper, std::array{1, 4}, 4), 5);
-  StudyProtocol fixed = paper;
+  const ProtocolText text = findProtocol("icra2021");
+  const StudyProtocol icra2021 = loadProtocolText(text.text, text.name);
+  EXPECT_EQ(nextNumber(icra2021, {}, 0), 1);
+  EXPECT_EQ(nextNumber(icra2021, std::array{1}, 1), 2);
+  EXPECT_EQ(nextNumber(icra2021, std::array{1, 2}, 2), 3);
+  EXPECT_EQ(nextNumber(icra2021, std::array{1}, 2), 4) << "the second withdrew: its order comes again";
+  EXPECT_EQ(nextNumber(icra2021, std::array{1, 4}, 4), 5);
+  StudyProtocol fixed = icra2021;
   fixed.order = BlockOrder::kFixed;
   EXPECT_EQ(nextNumber(fixed, std::array{1}, 2), 3);
 }

@@ -72,7 +72,7 @@ TEST(SimulatedObserver, WhatMakesNoSenseIsRefused) {
 }
 
 TEST(SimulatedParticipant, CannotJudgeValuesWithoutRatios) {
-  const ProtocolText text = findProtocol("paper");
+  const ProtocolText text = findProtocol("icra2021");
   StudyProtocol protocol = loadProtocolText(text.text, text.name);
   EXPECT_NO_THROW(requireRatios(protocol, JudgedBy::kValue));
   protocol.blocks.front().reference.value = 0;
@@ -84,7 +84,7 @@ TEST(SimulatedParticipant, TakesPartInAWholeStudy) {
   const std::filesystem::path file =
       std::filesystem::path(testing::TempDir()) / ("simulated_" + std::to_string(getpid()) + ".study");
   std::filesystem::remove(file);
-  const ProtocolText protocol = findProtocol("paper");
+  const ProtocolText protocol = findProtocol("icra2021");
   StudyStore::create(file, loadProtocolText(protocol.text, protocol.name), protocol.text, 3);
   StudyStore store(file, StudyStore::Access::kRun);
   RigWithoutBed rig;
@@ -110,7 +110,7 @@ TEST(SimulatedParticipant, TakesPartInAWholeStudy) {
 }
 
 StudyBlock frictionBlock() {
-  const ProtocolText protocol = findProtocol("paper-friction");
+  const ProtocolText protocol = findProtocol("icra2021-friction");
   return loadProtocolText(protocol.text, protocol.name).blocks.front();
 }
 

@@ -66,7 +66,7 @@ TEST(SimulatedRig, RefusesAtOnceAHandThatStaysAboveTheSoil) {
     EXPECT_NE(std::string(error.what()).find("stir, which moves the tool"), std::string::npos) << error.what();
   }
   EXPECT_NO_THROW(SimulatedRig(protocol, {.manoeuvre = Manoeuvre::kPress}));
-  for (const char* name : {"paper", "paper-friction", "paper-gravity"}) {
+  for (const char* name : {"icra2021", "icra2021-friction", "icra2021-gravity"}) {
     const ProtocolText other = findProtocol(name);
     EXPECT_NO_THROW(SimulatedRig(loadProtocolText(other.text, other.name), kStir)) << name;
   }

@@ -106,7 +106,7 @@ TEST(TeleopProtocol, NonsenseIsRefusedWithItsLine) {
   EXPECT_THAT(error(kHead + replaced(kDig, "interval_s = 60", "interval_s = 0")), HasSubstr("time limit"));
   EXPECT_THAT(error(kHead + replaced(kDig, "repeats", "question = 'Which?'\nrepeats")), HasSubstr("left out"));
   EXPECT_THAT(error(kHead + replaced(kDig, "2.6", "2.6\nsite = 'mars'")), HasSubstr("a built-in scene"));
-  EXPECT_THAT(error("title = 'x'\n" + kDig), HasSubstr("no contact friction")) << "the paper's scene cannot learn";
+  EXPECT_THAT(error("title = 'x'\n" + kDig), HasSubstr("no contact friction")) << "the scene icra2021 cannot learn";
 }
 
 class TeleopStudy : public testing::Test {

@@ -170,13 +170,13 @@ TEST(LearningModel, ThinkingBesideTheLoopComesToTheSame) {
   EXPECT_EQ(at_once.learned().state.cohesion_pa, beside.learned().state.cohesion_pa);
 }
 
-TEST(LearningModel, SoilWithoutCohesionMayGetSomeAndThePapersFrictionIsRefused) {
+TEST(LearningModel, SoilWithoutCohesionMayGetSomeAndIcra2021FrictionIsRefused) {
   SceneFile sand = findSceneFile("dig");
   sand.bed.soil.contact_cohesion_n = 0;
   EXPECT_GT(readyToLearn(sand).bed.soil.contact_cohesion_n, 0);
   EXPECT_LT(readyToLearn(sand).bed.soil.contact_cohesion_n, 1e-5);
-  EXPECT_FALSE(canLearn(findSceneFile("paper")));
-  EXPECT_THROW((void)readyToLearn(findSceneFile("paper")), InvalidParameter);
+  EXPECT_FALSE(canLearn(findSceneFile("icra2021")));
+  EXPECT_THROW((void)readyToLearn(findSceneFile("icra2021")), InvalidParameter);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST(SiteProbe, ARobotTellsTheSoilOfItsSite) {
   EXPECT_NEAR(strengths.of(better.bed.soil).angle_deg, probed.belief.friction_angle_deg.middle, 0.1);
   EXPECT_NEAR(strengths.of(better.bed.soil).cohesion_pa, probed.belief.cohesion_pa.middle, 1);
   EXPECT_NO_THROW(validate(better));
-  EXPECT_THROW((void)withBelievedSoil(findSceneFile("paper"), probed.belief, strengths), InvalidParameter);
+  EXPECT_THROW((void)withBelievedSoil(findSceneFile("icra2021"), probed.belief, strengths), InvalidParameter);
 }
 
 TEST(SiteProbe, EndsWhereNobodyWantsIt) {

@@ -213,9 +213,9 @@ TEST(Jaws, ClosedWithoutAGapAreABoxOfTwiceTheThickness) {
 TEST(Jaws, AreTheSameFromLeftAndRight) {
   std::mt19937_64 random(3);
   const auto mirrored = [](const Vec3& v) { return Vec3(-v.x(), v.y(), v.z()); };
-  for (const auto& [friction, bend_rad] : {std::pair{FrictionModel::kPaper, 0.0},
+  for (const auto& [friction, bend_rad] : {std::pair{FrictionModel::kIcra2021, 0.0},
                                            {FrictionModel::kContact, 0.0},
-                                           {FrictionModel::kPaper, 2.0},
+                                           {FrictionModel::kIcra2021, 2.0},
                                            {FrictionModel::kContact, 2.0}}) {
     for (const double opening_m : {0.0, 0.003, 0.012, 0.04}) {
       Grains grains;
@@ -246,7 +246,7 @@ TEST(Jaws, AreTheSameFromLeftAndRight) {
 
 TEST(Jaws, SqueezeAParticleEquallyFromBothSides) {
   // 10 mm apart around 14 mm: 2 mm deep in each, 1 N; closing at 0.2 m/s, each jaw at 0.1: 0.35 N s/m * 0.1 m/s more.
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
+  for (const FrictionModel friction : {FrictionModel::kIcra2021, FrictionModel::kContact}) {
     Grains grains;
     grains.soil.friction = friction;
     grains.add(Vec3(0, 0.01, -0.01));
@@ -501,7 +501,7 @@ void lead(Scene& scene, double from_m, double to_m, double open_from, double ope
 
 TEST(JawsInAScene, GatherSoilAndFeelItBetweenThem) {
   BedParameters bed = p4();
-  bed.soil.friction = FrictionModel::kContact;  // with the paper's, nothing but dust holds on to a tool
+  bed.soil.friction = FrictionModel::kContact;  // with ICRA 2021 friction, nothing but dust holds on to a tool
   Scene scene(bed, jaws(0.04));
   scene.placeTool({{{Vec3(0, 0, 0.12), Quat::Identity()}, {}}});
   lead(scene, 0.12, 0.045, 1, 1, 500);

@@ -250,7 +250,7 @@ TEST(ToolContact, OnlyContactsThatHoldAreStiff) {
 
 TEST(ToolContact, InABedItIsToTheBitWhatItIsAgainstAllParticles) {
   // The shovel dives in, crosses the bed, leaves it, and comes back elsewhere.
-  for (const FrictionModel friction : {FrictionModel::kPaper, FrictionModel::kContact}) {
+  for (const FrictionModel friction : {FrictionModel::kIcra2021, FrictionModel::kContact}) {
     BedParameters parameters;
     parameters.soil.friction = friction;
     parameters.soil.stiffness_n_m = friction == FrictionModel::kContact ? 1000 : 100;

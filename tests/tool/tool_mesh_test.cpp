@@ -242,9 +242,9 @@ int passages(const BedParameters& bed, const ToolParameters& tool, const Vec3& s
 
 TEST(ToolMesh, NobodyPassesAWallOfOneMillimetreAtHandSpeeds) {
   const ToolParameters wall = drawn(shovel(0.001));
-  BedParameters paper;
-  paper.soil = findPreset("P4").soil;
-  for (const BedParameters& bed : {paper, lunarBed()}) {
+  BedParameters icra2021;
+  icra2021.soil = findPreset("P4").soil;
+  for (const BedParameters& bed : {icra2021, lunarBed()}) {
     for (const double speed : {0.2, 0.5, 1.0}) {
       EXPECT_EQ(passages(bed, wall, {0.05, 0.04, 0.001}, speed), 0) << speed;
     }

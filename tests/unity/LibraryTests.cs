@@ -13,7 +13,7 @@ static unsafe class LibraryTests
   /// <summary>What state_hash.c prints.</summary>
   public static string StateHash()
   {
-    using (Scene scene = Scene.FromFile("paper", new[] { "loop.paced=false", "loop.duration_s=1" }))
+    using (Scene scene = Scene.FromFile("icra2021", new[] { "loop.paced=false", "loop.duration_s=1" }))
     {
       using (Loop loop = new Loop(scene))
       {
@@ -31,7 +31,7 @@ static unsafe class LibraryTests
   public static string Dig()
   {
     string text = "";
-    using (Scene scene = Scene.FromFile("paper", new[] { "soil.preset=P3", "gravity.body=Moon" }))
+    using (Scene scene = Scene.FromFile("icra2021", new[] { "soil.preset=P3", "gravity.body=Moon" }))
     {
       double surface_m = scene.Info.surface_m;
       Pose tool = Pose.At(0, 0, surface_m + 0.01);
@@ -53,7 +53,7 @@ static unsafe class LibraryTests
   public static void Run()
   {
     Expect.Test("The library has the package's version", () => Expect.That(Library.Version.StartsWith("0."), Library.Version));
-    Expect.Test("The library tells what there is", () => Expect.That(Library.List("scenes").Contains("\"paper\""), Library.List("scenes")));
+    Expect.Test("The library tells what there is", () => Expect.That(Library.List("scenes").Contains("\"icra2021\""), Library.List("scenes")));
     Errors();
     Moving();
     Buffers();
@@ -69,7 +69,7 @@ static unsafe class LibraryTests
   {
     Expect.Test("A wrong value is told with key, value and what would be valid", () =>
     {
-      var error = Expect.Throws<InvalidParameterException>(() => Scene.FromFile("paper", new[] { "bed.threads=0" }));
+      var error = Expect.Throws<InvalidParameterException>(() => Scene.FromFile("icra2021", new[] { "bed.threads=0" }));
       Expect.Equal(error.Status, Status.InvalidParameter, "status");
       Expect.Equal(error.Key, "bed.threads", "key");
       Expect.Equal(error.Value, "0", "value");
@@ -92,7 +92,7 @@ static unsafe class LibraryTests
     });
     Expect.Test("No name is refused", () => Expect.Equal(
       Expect.Throws<HaptolithException>(() => Scene.FromFile(null)).Status, Status.Null, "status"));
-    Expect.Test("A text that C would cut off is refused", () => Expect.Throws<ArgumentException>(() => Scene.FromFile("paper\0")));
+    Expect.Test("A text that C would cut off is refused", () => Expect.Throws<ArgumentException>(() => Scene.FromFile("icra2021\0")));
   }
 
   static void Moving()
@@ -419,7 +419,7 @@ static unsafe class LibraryTests
     }
   }
 
-  /// <summary>The paper's scene with few particles.</summary>
+  /// <summary>The scene icra2021 with few particles.</summary>
   static int sweep_ticks;
   static double sweep_turn_rad;
   static Vec3 sweep_sent_n;

@@ -57,9 +57,11 @@ TEST(Command, EveryCommandOfTheProtocolIsUnderstood) {
   EXPECT_FALSE(parsed<command::Colour>(R"({"do": "colour", "by": "depth"})").by_force);
 }
 
-TEST(Command, ThePreviousWordForContactFrictionIsStillRead) {
+TEST(Command, ThePreviousWordsForFrictionAreStillRead) {
   EXPECT_EQ(parsed<command::Change>(R"({"do": "scene", "friction": "pairwise"})").change.friction,
             FrictionModel::kContact);
+  EXPECT_EQ(parsed<command::Change>(R"({"do": "scene", "friction": "paper"})").change.friction,
+            FrictionModel::kIcra2021);
 }
 
 TEST(Command, AChangeOfTheSceneIsReadWhole) {

@@ -275,8 +275,8 @@ class TurnedDevice final : public HapticDevice {
 };
 
 TEST(Frame, ShowsWhatATurnedDeviceIsSentInTheScenesAxes) {
-  const SceneFile paper;
-  Scene scene(paper.bed, paper.tool);
+  const SceneFile icra2021;
+  Scene scene(icra2021.bed, icra2021.tool);
   TurnedDevice device;
   LoopParameters unpaced;
   unpaced.paced = false;

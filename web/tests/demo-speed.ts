@@ -11,7 +11,7 @@ if (!folder) throw new Error('npm run demo-speed -- FOLDER [SCENE...]');
 const host = await serveFolder(folder);
 const browser = await launch();
 try {
-  for (const scene of scenes.length > 0 ? scenes : ['moon', 'paper']) {
+  for (const scene of scenes.length > 0 ? scenes : ['moon', 'icra2021']) {
     host.sent.clear();
     const page = await browser.newPage({ viewport: { width: 800, height: 600 } });
     const begun_ms = performance.now();

@@ -178,7 +178,7 @@ export class MockServer {
     return {
       type: 'scene',
       scene: 1,
-      title: "The paper's scene",
+      title: 'The scene of the ICRA 2021 paper',
       particles: this.bed.count,
       radius_m: 0.007,
       can_coarsen: true,
@@ -194,7 +194,7 @@ export class MockServer {
       soil: {
         preset: 'P3',
         name: null,
-        friction: 'paper',
+        friction: 'icra2021',
         friction_angle_deg: 39.9,
         cohesion_pa: 996,
         bulk_density_kg_m3: 1330,
@@ -232,7 +232,7 @@ export class MockServer {
       presets: PRESETS.map(([name, friction_coefficient]) => ({ name, friction_coefficient })),
       soils: SOILS,
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
-      frictions: ['paper', 'contact'],
+      frictions: ['icra2021', 'contact'],
       shapes: Object.keys(TOOL_SHAPES) as Hello['shapes'],
       manoeuvres: ['still', 'press', 'stir', 'scoop', 'carry', 'shake', 'cut', 'furrows'],
     };

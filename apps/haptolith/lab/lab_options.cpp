@@ -47,7 +47,7 @@ void LabOptions::addTo(CLI::App& command) {
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command.add_option("--friction", friction, "Friction model [the soil's]")->transform(wordOf(models));
+  command.add_option("--friction-model", friction, "Friction model [the soil's]")->transform(wordOf(models));
   command.add_option("--body", body, kBodyHelp)->capture_default_str();
   command.add_option("--radius-mm", radius_mm, "Radius of a particle in mm; the bulk soil stays the same [the test's]");
   command.add_option("--stiffness-n-m", stiffness_n_m, "Contact stiffness at that radius [the soil's]");
@@ -130,7 +130,7 @@ nlohmann::ordered_json soilJson(const SoilParameters& soil) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const SceneFileKey& key : soilKeys()) {
     const std::string line = tomlLine(key, scene);
-    if (const std::size_t equals = line.find(" = "); equals != std::string::npos && key.name != "friction") {
+    if (const std::size_t equals = line.find(" = "); equals != std::string::npos && key.name != "friction_model") {
       json[std::string(key.name)] = line.substr(equals + 3, line.size() - equals - 4);
     }
   }

@@ -42,7 +42,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr Range kReportSeeds{1, 100};
-constexpr std::array kModels{FrictionModel::kContact, FrictionModel::kPaper};
+constexpr std::array kModels{FrictionModel::kContact, FrictionModel::kIcra2021};
 
 struct ReportOptions {
   LabOptions lab;
@@ -283,7 +283,7 @@ ReportCell Report::cellOf(std::size_t test, FrictionModel model) const {
   return cell;
 }
 
-/// Returns "shear (contact: seeds 2, 3; paper: seeds 1, 2, 3), free-fall (paper: seeds 1)"; empty if no piece is
+/// Returns "shear (contact: seeds 2, 3; icra2021: seeds 1, 2, 3), free-fall (icra2021: seeds 1)"; empty if no piece is
 /// missing.
 std::string Report::missingText() const {
   std::vector<std::string> missing;
@@ -320,7 +320,7 @@ ReportPage Report::page() const {
   }
   page.introduction.emplace_back(
       "Every test was run with the same soil and both friction models: friction between particles (contact), and the "
-      "friction of the ICRA 2021 paper, which acts against absolute space. Tests without cohesion are marked.");
+      "ICRA 2021 friction model (icra2021), which acts against absolute space. Tests without cohesion are marked.");
   page.introduction.emplace_back(options_.seeds > 1
                                      ? fmt::format("Values are means of {} seeds; ± is the standard deviation. A value "
                                                    "passes when its mean passes. Figures show seed {}.",
@@ -335,7 +335,7 @@ ReportPage Report::page() const {
                 {"Program", "haptolith " HAPTOLITH_VERSION}};
   for (std::size_t test = 0; test < tests_.size(); ++test) {
     std::ranges::move(
-        reportRows(tests_[test], cellOf(test, FrictionModel::kContact), cellOf(test, FrictionModel::kPaper)),
+        reportRows(tests_[test], cellOf(test, FrictionModel::kContact), cellOf(test, FrictionModel::kIcra2021)),
         std::back_inserter(page.rows));
   }
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
@@ -393,7 +393,7 @@ void addReport(CLI::App& lab) {
   CLI::App* command =
       lab.add_subcommand("report", "Run all tests with both friction models and several seeds; write one HTML page");
   options->lab.addTo(*command);
-  for (const char* unused : {"--figure", "--trace", "--json", "--friction", "--radius-mm"}) {
+  for (const char* unused : {"--figure", "--trace", "--json", "--friction-model", "--radius-mm"}) {
     command->remove_option(command->get_option(unused));
   }
   command->get_option("--seed")->description("First seed of the specimens");

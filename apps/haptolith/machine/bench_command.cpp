@@ -40,7 +40,7 @@ struct BenchOptions {
   LabOptions soil;                  ///< soil and radius of its particles
   std::vector<std::string> scenes;  ///< names or files; replace the other options
   std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
-  std::vector<FrictionModel> friction{FrictionModel::kPaper, FrictionModel::kContact};
+  std::vector<FrictionModel> friction{FrictionModel::kIcra2021, FrictionModel::kContact};
   std::vector<int> threads{1, 2};
   Manoeuvre hand = Manoeuvre::kStir;
   BedStart start = BedStart::kPacked;
@@ -55,7 +55,7 @@ struct BenchOptions {
 /// Row of the table.
 struct BenchRow {
   std::size_t particles = 0;
-  FrictionModel friction = FrictionModel::kPaper;
+  FrictionModel friction = FrictionModel::kIcra2021;
   int threads = 1, substeps = 1;
   Histogram tick_us{0.1}, list_rebuild_us{0.01};
   double made_s = 0;  ///< duration of creating the bed, without settling unless it starts settled
@@ -79,8 +79,8 @@ BedParameters sandbox(const BenchOptions& options, int particles, FrictionModel 
   bed.soil = labSoil(options.soil, 0).soil;
   bed.soil.friction = friction;
   bed.threads = threads;
-  const bool paper_scene = particles == 256 && options.soil.soil == "P3" && !options.soil.radius_mm;
-  if (paper_scene) {
+  const bool icra2021_scene = particles == 256 && options.soil.soil == "P3" && !options.soil.radius_mm;
+  if (icra2021_scene) {
     return bed;
   }
   bed = withRoomFor(particles, bed);
@@ -315,7 +315,7 @@ void addBenchCommand(CLI::App& app) {
   for (const auto& word : kFrictionWords) {
     models.emplace(word.name, word.value);
   }
-  command->add_option("--friction", options->friction, "Friction models [paper,contact]")
+  command->add_option("--friction-model", options->friction, "Friction models [icra2021,contact]")
       ->delimiter(',')
       ->transform(wordOf(models));
   command->add_option("--threads", options->threads, "Numbers of threads")
@@ -339,8 +339,8 @@ void addBenchCommand(CLI::App& app) {
   addJson(*command, options->json);
   command->footer(
       "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n  "
-      "haptolith bench --particles 1000000 --start settled --friction contact --threads 2 \\\n    --sleep-speed-m-s "
-      "0.001");
+      "haptolith bench --particles 1000000 --start settled --friction-model contact --threads 2 \\\n    "
+      "--sleep-speed-m-s 0.001");
   command->callback([options] { runBench(*options); });
 }
 

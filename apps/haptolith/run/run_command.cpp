@@ -48,7 +48,7 @@ using namespace std::chrono_literals;
 constexpr const char* kRunExamples = R"(Examples:
   haptolith run                                     lunar soil, until Ctrl-C
   haptolith run --coarser                           one step coarser particles, to save CPU time
-  haptolith run paper                               scene of the ICRA 2021 paper
+  haptolith run icra2021                            scene of the ICRA 2021 paper
   haptolith run --hand stir --duration-s 10         ten seconds of stirring
   haptolith run --soil surveyor-3 --body Mars       named soil (haptolith soil list) on another body
   haptolith run --preset P1 --json                  soil of the ICRA 2021 paper, in its scene

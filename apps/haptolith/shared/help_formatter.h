@@ -7,9 +7,9 @@
 
 namespace haptolith {
 
-/// Prints for each option the value that it takes, its range and its default ("--friction contact|paper", "--threads N
-/// ... 1 to 256 [all]") instead of CLI11's ENUM, TEXT, FLOAT and "=1", wrapped to kHelpColumns. The option_text() of an
-/// option takes precedence.
+/// Prints for each option the value that it takes, its range and its default ("--friction-model contact|icra2021",
+/// "--threads N ... 1 to 256 [all]") instead of CLI11's ENUM, TEXT, FLOAT and "=1", wrapped to kHelpColumns. The
+/// option_text() of an option takes precedence.
 class HelpFormatter final : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;

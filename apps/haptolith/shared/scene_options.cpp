@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/recording/recording_format.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -85,17 +86,18 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
 
 std::string SceneOptions::scene() const {
   if (!name_or_file.empty()) {
-    return name_or_file;
+    return std::string(currentNameTold(NameKind::kScene, name_or_file));
   }
-  return preset ? "paper" : usual;
+  return preset ? "icra2021" : usual;
 }
 
 void SceneOptions::addTo(CLI::App& command) {
   command
       .add_option(
           "scenario", name_or_file,
-          fmt::format("Scene: a name (haptolith scenes) or a file (docs/reference/scenes.md) [{}; with --preset paper]",
-                      usual))
+          fmt::format(
+              "Scene: a name (haptolith scenes) or a file (docs/reference/scenes.md) [{}; with --preset icra2021]",
+              usual))
       ->option_text("NAME|FILE");
   command
       .add_option("--set", overrides,
@@ -107,9 +109,9 @@ void SceneOptions::addTo(CLI::App& command) {
   command.add_option("--soil", soil, "Soil: a name (haptolith soil list) or a file (docs/reference/soils.md)")
       ->option_text("NAME|FILE")
       ->excludes(by_preset);
-  command.add_option("--friction", friction, "Friction model [the soil's]")
+  command.add_option("--friction-model", friction, "Friction model [the soil's]")
       ->transform(wordOf(choicesOf(kFrictionWords)))
-      ->option_text("paper|contact");
+      ->option_text("icra2021|contact");
   command.add_option("--body", body, kBodyHelp)->option_text("NAME");
   CLI::Option* hand = command.add_option("--hand", manoeuvre, "Motion of the virtual hand");
   hand->transform(wordOf(handChoices()))->option_text("still|press|stir|scoop|carry|shake|cut|furrows");

@@ -158,9 +158,10 @@ constexpr const char* kCustomSoil = "--gamma-nm, --rho0-kg-m3, --rho-max-kg-m3 a
 [[noreturn]] void refuseToAnalyse(const std::string& name, const std::string& name_or_file) {
   throw InvalidParameter(
       "soil", inQuotes(name),
-      fmt::format("P1 to P6, or a soil file with friction = 'paper'; for the density of this soil, use haptolith lab "
-                  "settle --soil {}; for its friction and cohesion, haptolith soil list",
-                  plainText(name_or_file)));
+      fmt::format(
+          "P1 to P6, or a soil file with friction_model = 'icra2021'; for the density of this soil, use haptolith lab "
+          "settle --soil {}; for its friction and cohesion, haptolith soil list",
+          plainText(name_or_file)));
 }
 
 SoilParameters namedSoil(const std::string& name_or_file) {
@@ -299,7 +300,7 @@ void addProfile(CLI::App& icra2021) {
       command->add_option("--rho-max-kg-m3", options->rho_max_kg_m3, "Upper limit of the bulk density in kg/m³"),
       command->add_option("--mu-hat", options->mu_hat, "Friction of the model: friction coefficient / sqrt(6)")};
   CLI::Option* soil_option =
-      command->add_option("--soil", options->soil, "P1 to P6, or a soil file with friction = 'paper'")
+      command->add_option("--soil", options->soil, "P1 to P6, or a soil file with friction_model = 'icra2021'")
           ->excludes(preset);
   for (CLI::Option* option : custom) {
     option->excludes(preset)->excludes(soil_option);

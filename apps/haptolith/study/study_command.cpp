@@ -8,7 +8,7 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kStudyExamples = R"(Examples:
-  haptolith study new friction.study --protocol paper-friction
+  haptolith study new friction.study --protocol icra2021-friction
   haptolith study run friction.study --trial-run
   haptolith study figure friction.study --out friction.svg
 

@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyExploreExamples = R"(Examples:
   haptolith study explore                                          everything: some minutes
-  haptolith study explore --block gravity --friction paper --hand stir --repeats 10
+  haptolith study explore --block gravity --friction-model icra2021 --hand stir --repeats 10
   haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
   haptolith study explore --protocol buried-stone                  information in force and in view
 
@@ -60,7 +60,7 @@ PerceptionOptions perceptionOf(const ExploreOptions& options) {
     wanted.blocks = {options.block};
   }
   if (options.friction != "both") {
-    wanted.frictions = {options.friction == "paper" ? FrictionModel::kPaper : FrictionModel::kContact};
+    wanted.frictions = {options.friction == "icra2021" ? FrictionModel::kIcra2021 : FrictionModel::kContact};
   }
   if (options.hand != "all") {
     std::erase_if(wanted.hands,
@@ -269,9 +269,9 @@ void addStudyExploreCommand(CLI::App& study) {
       ->check(oneOf({"friction", "gravity", "both"}))
       ->excludes(protocols)
       ->capture_default_str();
-  command->add_option("--friction", options->friction, "Friction model")
+  command->add_option("--friction-model", options->friction, "Friction model")
       ->transform([](const std::string& word) { return std::string(currentNameTold(NameKind::kWord, word)); }, "")
-      ->check(oneOf({"paper", "contact", "both"}))
+      ->check(oneOf({"icra2021", "contact", "both"}))
       ->excludes(protocols)
       ->capture_default_str();
   command->add_option("--hand", options->hand, "Motion of the hand")

@@ -27,7 +27,7 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kStudyNewExamples = R"(Examples:
-  haptolith study new friction.study --protocol paper-friction
+  haptolith study new friction.study --protocol icra2021-friction
   haptolith study new mine.study --protocol mine.toml
 
 Built-in protocols:

@@ -33,7 +33,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyPlanExamples = R"(Examples:
-  haptolith study plan --protocol paper-friction --weber 0.29
+  haptolith study plan --protocol icra2021-friction --weber 0.29
   haptolith study plan --weber 0.29 --against 0.4 --participants 8,16,32 --figure power.svg
   haptolith study plan --weber 0.29 --against 0.4 --spread 0.3 --repeats 12 --people
   haptolith study plan --weber 0.29 --width 0.5 --repeats 12 --people)";
@@ -42,7 +42,7 @@ constexpr int kFigureWidth_px = 1100;
 constexpr int kFigureHeight_px = 460;
 
 struct PlanOptions {
-  std::string protocol = "paper-friction", block, figure;
+  std::string protocol = "icra2021-friction", block, figure;
   std::vector<int> participants{4, 8, 16, 32}, repeats{3, 6, 12};
   PlanParameters parameters;
   Overwrite overwrite;
@@ -230,7 +230,8 @@ void addStudyPlanCommand(CLI::App& study) {
   auto options = std::make_shared<PlanOptions>();
   CLI::App* command = study.add_subcommand("plan", "Simulate how many participants and trials a study needs");
   command->footer(kStudyPlanExamples);
-  command->add_option("protocol,--protocol", options->protocol, "Protocol: a built-in name or a file [paper-friction]")
+  command
+      ->add_option("protocol,--protocol", options->protocol, "Protocol: a built-in name or a file [icra2021-friction]")
       ->option_text("NAME|FILE");
   command->add_option("--block", options->block, "Block of the protocol [the first]")->option_text("NAME");
   command->add_option("--weber", options->parameters.observer.weber_fraction, "Expected Weber fraction [0.29]")

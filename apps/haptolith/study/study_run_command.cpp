@@ -45,7 +45,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kStudyRunExamples = R"(Examples:
-  haptolith study new friction.study --protocol paper-friction
+  haptolith study new friction.study --protocol icra2021-friction
   haptolith study run friction.study                            the next participant, with the mouse
   haptolith study run try.study --trial-run                     try a built-in protocol yourself
   haptolith study run friction.study --device force-dimension   with a haptic device

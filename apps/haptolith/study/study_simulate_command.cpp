@@ -36,7 +36,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudySimulateExamples = R"(Examples:
-  haptolith study new try.study --protocol paper-friction
+  haptolith study new try.study --protocol icra2021-friction
   haptolith study simulate try.study --participants 8 --weber 0.29
   haptolith study figure try.study --out try.svg
   haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1

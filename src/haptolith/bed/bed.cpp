@@ -31,8 +31,8 @@ constexpr double kInnerSkinRadii = 0.1;
 constexpr double kExactWidth_m = 1;
 
 /// Smallest number of particles for which waking a thread, about 100 us, is worthwhile; contacts with friction take
-/// three times as long as the paper's, with several substeps per tick. Two threads become faster than one there in
-/// `haptolith bench` on two cores, to a power of two.
+/// three times as long as those of icra2021, with several substeps per tick. Two threads become faster than one there
+/// in `haptolith bench` on two cores, to a power of two.
 std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kContact ? 512 : 4096;
 }
@@ -339,7 +339,7 @@ void Bed::stepPart(int part, int parts) noexcept {
   if (hasContactFriction()) {
     stepWithContactFriction(laws_.graded, now_, box_, arrays, first, last, moved);
   } else {
-    stepWithPaperFriction(laws_.kernel, now_, box_, arrays, first, last, moved);
+    stepWithIcra2021Friction(laws_.kernel, now_, box_, arrays, first, last, moved);
   }
   moved_of_part_[static_cast<std::size_t>(part)] = moved;
   transitions_by_part_[static_cast<std::size_t>(part)] = wakefulness_.updateRest(first, last, next_position_, state_);

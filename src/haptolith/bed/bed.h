@@ -42,7 +42,7 @@ struct GrainMove {
   [[nodiscard]] bool operator==(const GrainMove&) const = default;
 };
 
-/// A box of identical macroparticles: their contacts, friction and gravity. With the paper's friction contacts follow
+/// A box of identical macroparticles: their contacts, friction and gravity. With ICRA 2021 friction contacts follow
 /// (paper 19), friction (14) and damping (20); with contact friction see friction-inl.h.
 ///
 /// After construction nothing allocates. Equal parameters, start and forces give equal bits for any number of

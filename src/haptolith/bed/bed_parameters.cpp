@@ -60,7 +60,7 @@ void validateGrading(const BedParameters& bed) {
   }
   if (bed.soil.friction != FrictionModel::kContact) {
     throw InvalidParameter("fine_radius_m", fmt::format("{:g}", grading.fine_radius_m),
-                           "0 with friction = \"paper\"; finer particles need friction = \"contact\"");
+                           "0 with friction_model = \"icra2021\"; finer particles need friction_model = \"contact\"");
   }
   // A handful of the finest at least, and inside the box.
   const double narrowest_m = 4 * grading.fine_radius_m;
@@ -156,7 +156,7 @@ void validateStones(const BedParameters& bed) {
     return;
   }
   if (bed.soil.friction != FrictionModel::kContact) {
-    throw InvalidParameter("stones", "with friction = \"paper\"", "in soil with friction = \"contact\"");
+    throw InvalidParameter("stones", "with friction_model = \"icra2021\"", "in soil with friction_model = \"contact\"");
   }
   if (bed.periodic_x || bed.periodic_y) {
     throw InvalidParameter("stones", "in a periodic box", "in a box with walls");

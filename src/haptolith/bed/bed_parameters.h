@@ -18,7 +18,7 @@ namespace haptolith {
 enum class BedStart {
   kPacked,   ///< close packing at the analytic layer spacing b(n), filled up to `depth_m`
   kRain,     ///< dropped loosely at random and settled without friction, `particles` of them
-  kCount,    ///< exactly `particles` in `layers` layers, close-packed: the paper's scene
+  kCount,    ///< exactly `particles` in `layers` layers, close-packed: the scene icra2021
   kSettled,  ///< as soil that has settled, at rest: a tile of `depth_m` again and again (bed_tile.h)
   kGiven,    ///< positions of `given`, from a file or another program; then friction builds up and they settle
 };
@@ -70,7 +70,7 @@ struct BedParameters {
 
   /// Whether soil at rest is left alone until something near it stirs (Wakefulness); what moves faster than this is not
   /// at rest, nor what has gone further than the distance from where it came to rest. The default is so slow that
-  /// almost no position changes in its last digit. At 0 only motionless particles sleep, as soil with the paper's
+  /// almost no position changes in its last digit. At 0 only motionless particles sleep, as soil with ICRA 2021
   /// friction does, and no bit changes. Digging in large beds wants 0.01 m/s and a hundredth of a radius: grains that
   /// find new places ring like bells, so that soil far from the tool swings at some mm/s, but by a few um only.
   bool sleep = true;

@@ -24,7 +24,7 @@ struct Header {
   std::uint64_t step;
   std::uint64_t particles;
   std::uint64_t contacts;    ///< entries of the neighbour lists
-  std::uint64_t remembered;  ///< particles whose friction remembers: all, or 0 with the paper's friction
+  std::uint64_t remembered;  ///< particles whose friction remembers: all, or 0 with ICRA 2021 friction
 };
 
 bool isWide(const Header& header) {

@@ -52,7 +52,7 @@ struct BedState {
   [[nodiscard]] bool asleep(std::size_t group) const noexcept { return rested[group] >= kAsleepForEver; }
   std::vector<Float4> rested_at;  ///< m; where its particles have been since
 
-  // Friction memory in addition to that of contacts, in m; empty with the paper's friction, which has none.
+  // Friction memory in addition to that of contacts, in m; empty with ICRA 2021 friction, which has none.
   std::vector<WallSlips> wall_slip;  ///< one per group
   std::vector<Float4> tool_slip;     ///< one for each particle, in the tool's frame
 

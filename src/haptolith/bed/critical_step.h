@@ -7,7 +7,7 @@ namespace haptolith {
 
 /// Steps that a bed of this soil needs in a second at least.
 ///
-/// With the paper's friction 1 / dt = omega, half of the semi-implicit step's limit:
+/// With ICRA 2021 friction 1 / dt = omega, half of the semi-implicit step's limit:
 ///
 ///     m omega^2 = 8 k + 2 k + k_tool
 ///

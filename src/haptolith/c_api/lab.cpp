@@ -58,7 +58,7 @@ std::vector<LabOption> optionsOf(Circumstances& c) {
   const auto set_friction = [&c](std::string_view word) { c.soil.friction = valueOf(kFrictionWords, word); };
   return together(
       {number("radius_mm", c.soil.radius_mm), number("stiffness_n_m", c.soil.stiffness_n_m),
-       wordOption("friction", {"paper", "contact"}, "", set_friction, ""),
+       wordOption("friction_model", {"icra2021", "contact"}, "", set_friction, ""),
        seedOption("seed", c.seed, BedRanges::seed, ""), countOption("threads", c.threads, BedRanges::threads, "")},
       gravityOptions(c.gravity_m_s2));
 }

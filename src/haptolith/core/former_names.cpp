@@ -24,6 +24,8 @@ constexpr std::array kFormerNames{
     FormerName{NameKind::kWord, "pairwise", "contact"},
     FormerName{NameKind::kWord, "paper", "icra2021"},
     FormerName{NameKind::kKey, "soil.friction", "soil.friction_model"},
+    FormerName{NameKind::kKey, "scene.friction", "scene.friction_model"},  // [block.scene] of a protocol
+    FormerName{NameKind::kKey, "lab.friction", "lab.friction_model"},      // options of hapto_lab_test()
     FormerName{NameKind::kKey, "hand.manoeuvre", "hand.motion"},
     FormerName{NameKind::kKey, "loop.paced", "loop.real_time"},
     FormerName{NameKind::kKey, "safety.calm_s", "safety.recovery_s"},

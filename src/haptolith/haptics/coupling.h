@@ -11,7 +11,7 @@ namespace haptolith {
 /// Connection between hand and tool.
 enum class CouplingKind {
   kAuto,     ///< as suitsDirectly() says
-  kDirect,   ///< the tool is where the hand is, and the hand feels the soil: the paper's way
+  kDirect,   ///< the tool is where the hand is, and the hand feels the soil: as in icra2021
   kVirtual,  ///< a spring and a damper pull the tool after the hand, and the hand feels these
 };
 

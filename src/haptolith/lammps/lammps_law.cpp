@@ -15,8 +15,8 @@ namespace {
 
 void requireExportable(const BedParameters& bed) {
   if (bed.soil.friction != FrictionModel::kContact) {
-    throw InvalidParameter("soil.friction", "paper",
-                           "contact: the paper's friction brakes against absolute space, and no other engine has it");
+    throw InvalidParameter("soil.friction_model", "icra2021",
+                           "contact: ICRA 2021 friction brakes against absolute space, and no other engine has it");
   }
   if (grainClasses(bed) > 1) {
     throw InvalidParameter("bed.fine_radius_mm", fmt::format("{:g}", 1e3 * bed.grading.fine_radius_m),

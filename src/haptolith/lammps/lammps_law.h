@@ -64,7 +64,7 @@ struct GranularLaw {
   [[nodiscard]] std::string atWall(double ratio) const;
 };
 
-/// @throws InvalidParameter for soil that no style of LAMMPS comes near: the paper's friction, grains of several
+/// @throws InvalidParameter for soil that no style of LAMMPS comes near: ICRA 2021 friction, grains of several
 /// sizes by classes, stones, which turn.
 [[nodiscard]] GranularLaw granularLaw(const Bed& bed, LammpsLaw whose = LammpsLaw::kOfStyles);
 

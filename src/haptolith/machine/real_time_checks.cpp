@@ -25,7 +25,7 @@ constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 /// Less than this share of a second, and a loop that computes a lot is stopped by the kernel for the rest of it.
 constexpr double kEnoughRealTimeShare = 0.9;
 
-/// `haptolith run` maps 100 MiB with the paper's scene, and a bed of 100 000 particles some more.
+/// `haptolith run` maps 100 MiB with the scene icra2021, and a bed of 100 000 particles some more.
 constexpr std::uint64_t kEnoughMemory_bytes = std::uint64_t{256} << 20;
 
 /// A CPU that needs longer than this to come out of its sleep spends a tenth of a tick on that.

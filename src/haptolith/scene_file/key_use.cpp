@@ -7,8 +7,8 @@ namespace haptolith {
 
 namespace {
 
-bool isPaper(const SceneFile& scene) {
-  return scene.bed.soil.friction == FrictionModel::kPaper;
+bool isIcra2021(const SceneFile& scene) {
+  return scene.bed.soil.friction == FrictionModel::kIcra2021;
 }
 
 bool hasContactFriction(const SceneFile& scene) {
@@ -53,8 +53,8 @@ bool isNotDirect(const SceneFile& scene) {
   return scene.handling.coupling.kind != CouplingKind::kDirect;
 }
 
-constexpr std::string_view kPaper = "[soil] friction = paper";
-constexpr std::string_view kContact = "[soil] friction = contact";
+constexpr std::string_view kIcra2021 = "[soil] friction_model = icra2021";
+constexpr std::string_view kContact = "[soil] friction_model = contact";
 constexpr std::string_view kGraded = "[bed] fine_radius_mm above 0";
 constexpr std::string_view kStones = "[stones] count above 0";
 constexpr std::string_view kAnyStones = "[stones] count above 0, or a [[stone]]";
@@ -100,7 +100,7 @@ constexpr std::array kUses{
     KeyUse{"tool", "mesh_turn_deg", isShape<ToolShape::kMesh>, kMesh, true},
     KeyUse{"tool", "opening_mm", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
     KeyUse{"tool", "jaw_bend_deg", isShape<ToolShape::kJaws>, "[tool] shape = jaws", true},
-    KeyUse{"tool", "adhesion_ratio", isPaper, kPaper, true},
+    KeyUse{"tool", "adhesion_ratio", isIcra2021, kIcra2021, true},
     KeyUse{"tool", "friction", hasContactFriction, kContact, true},
     KeyUse{"tool", "adhesion_n", hasContactFriction, kContact, true},
 
@@ -125,8 +125,8 @@ std::span<const KeyUse> keyUses() {
   static const std::vector<KeyUse> kAll = [] {
     std::vector<KeyUse> uses;
     for (const SoilNumber& number : kSoilNumbers) {
-      if (number.model == FrictionModel::kPaper) {
-        uses.push_back({"soil", number.key, isPaper, kPaper, true});
+      if (number.model == FrictionModel::kIcra2021) {
+        uses.push_back({"soil", number.key, isIcra2021, kIcra2021, true});
       } else if (number.model == FrictionModel::kContact) {
         uses.push_back({"soil", number.key, hasContactFriction, kContact, true});
       }

@@ -22,7 +22,7 @@ namespace {
 constexpr FileKind kScene{.name = "scene",
                           .example_key = "title",
                           .document = "docs/reference/scenes.md",
-                          .left_out = "left out, so the paper's"};
+                          .left_out = "left out, so as in icra2021"};
 
 constexpr RivalKeys kRivals[]{
     {"soil", "preset", "name"},

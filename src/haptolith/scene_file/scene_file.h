@@ -24,9 +24,9 @@ namespace haptolith {
   return handling;
 }
 
-/// A whole scene: soil in a box, a tool, a hand and the loop that joins them. The default is the paper's scene.
+/// A whole scene: soil in a box, a tool, a hand and the loop that joins them. The default is the scene icra2021.
 struct SceneFile {
-  std::string title = "The paper's scene";
+  std::string title = "The scene of the ICRA 2021 paper";
   std::string preset = "P3";  ///< empty when the soil has a name or was given by its numbers
   std::string soil_name;      ///< empty when the soil is a preset or was given by its numbers
   std::string body = "Moon";  ///< empty when gravity was given by its number
@@ -41,7 +41,7 @@ struct SceneFile {
   [[nodiscard]] bool operator==(const SceneFile&) const = default;
 };
 
-/// Reads a TOML scene; keys that are left out keep the values of the paper's scene. docs/reference/scenes.md lists
+/// Reads a TOML scene; keys that are left out keep the values of the scene icra2021. docs/reference/scenes.md lists
 /// every key.
 /// @throws InvalidParameter for an unknown key, a wrong type or a value out of range, with file, line, key, value and
 /// valid range; Failure when the file cannot be read.
@@ -52,7 +52,7 @@ struct SceneFile {
 /// @param overrides  keys that replace those of the file, each "table.key=value": see TomlReader::takeOverrides().
 [[nodiscard]] SceneFile findSceneFile(std::string_view name_or_file, std::span<const std::string> overrides = {});
 
-/// As above for a text, called `name` in messages, with files relative to that name; empty: the paper's scene.
+/// As above for a text, called `name` in messages, with files relative to that name; empty: the scene icra2021.
 [[nodiscard]] SceneFile sceneFileFromText(std::string_view text, std::string_view name,
                                           std::span<const std::string> overrides = {});
 

@@ -115,8 +115,8 @@ Keys keysOfSoil() {
   const auto* of_model = std::ranges::find_if(kSoilNumbers, [](const SoilNumber& n) { return n.model.has_value(); });
   std::transform(kSoilNumbers.begin(), of_model, std::back_inserter(keys), soilNumber);
   keys.push_back(soil.word(
-      "friction", &SoilParameters::friction, kFrictionWords,
-      "Friction model: `paper` acts against absolute space (paper 14), `contact` between touching particles."));
+      "friction_model", &SoilParameters::friction, kFrictionWords,
+      "Friction model: `icra2021` acts against absolute space (paper 14), `contact` between touching particles."));
   std::transform(of_model, kSoilNumbers.end(), std::back_inserter(keys), soilNumber);
   return keys;
 }
@@ -307,7 +307,7 @@ Keys keysOfTool() {
       tool.number("damping_factor", &ToolParameters::damping_factor, ToolRanges::damping_factor,
                   "Damping between tool and particle, over half a tick times the stiffness (paper, II-E)."),
       tool.number("adhesion_ratio", &ToolParameters::adhesion_ratio, ToolRanges::adhesion_ratio,
-                  "Range of adhesion outside the tool, in radii (paper 21); `paper` soil only."),
+                  "Range of adhesion outside the tool, in radii (paper 21); `icra2021` soil only."),
       tool.number("friction", &ToolParameters::friction, ToolRanges::friction,
                   "Friction coefficient between soil and tool, tan(delta); `contact` soil only."),
       tool.number("adhesion_n", &ToolParameters::adhesion_n, ToolRanges::adhesion_n,
@@ -402,8 +402,8 @@ Keys keysOfHandling() {
   const auto safety = memberKeys<S>("safety", &S::handling, &HandlingParameters::safety);
   return {
       coupling.word("kind", &CouplingParameters::kind, kCouplingWords,
-                    "Tool at the handle (direct, as in the paper), or pulled by a spring and a damper (virtual); "
-                    "`auto`: direct where the device renders force at most 1 ms late and resolves 0.02 mm."),
+                    "Tool at the handle (direct, as in the ICRA 2021 paper), or pulled by a spring and a damper "
+                    "(virtual); `auto`: direct where the device renders force at most 1 ms late and resolves 0.02 mm."),
       spring.number("stiffness_n_m", &ArmParameters::stiffness_n_m, CouplingRanges::stiffness_n_m,
                     "Stiffness of the spring; this and the rest: `virtual` only."),
       spring.number("damping_n_s_m", &ArmParameters::damping_n_s_m, CouplingRanges::damping_n_s_m,

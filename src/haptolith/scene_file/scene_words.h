@@ -19,7 +19,7 @@
 namespace haptolith {
 
 inline constexpr std::array kFrictionWords{
-    SceneWord{"paper", FrictionModel::kPaper},
+    SceneWord{"icra2021", FrictionModel::kIcra2021},
     SceneWord{"contact", FrictionModel::kContact},
 };
 

@@ -24,7 +24,7 @@ constexpr std::string_view kFrictionAngle = "friction_angle_deg";
 constexpr std::string_view kCohesion = "cohesion_pa";
 
 /// The cohesion of (paper 18) if the law allows it, else none: it diverges for soil that cannot be compacted so far.
-double paperCohesion(const SoilParameters& soil) {
+double icra2021Cohesion(const SoilParameters& soil) {
   try {
     return cohesion(soil);
   } catch (const InvalidParameter&) {
@@ -95,7 +95,7 @@ std::vector<SoilSlider> slidersOf(const SoilParameters& soil, const std::optiona
   }
   const double angle_deg = frictionAngle(frictionCoefficient(soil.mu_hat)) / kDegree;
   std::vector<SoilSlider> sliders{{kFrictionAngle, "friction angle", "°", angle_deg, 1, 70, 0.5}};
-  if (const double now_pa = paperCohesion(soil); now_pa > 0) {
+  if (const double now_pa = icra2021Cohesion(soil); now_pa > 0) {
     sliders.push_back({kCohesion, "cohesion", "Pa", now_pa, 10, std::max(3000.0, 2 * now_pa), 10});
   }
   return sliders;
@@ -120,11 +120,11 @@ SoilParameters withSlider(SoilParameters soil, std::string_view key, double valu
     soil = calibration->with(soil, wanted);
   } else if (key == kFrictionAngle) {
     // (paper 18) has friction in it: cohesion is kept as it was.
-    const double kept_pa = paperCohesion(soil);
+    const double kept_pa = icra2021Cohesion(soil);
     soil.mu_hat = modelFriction(std::tan(value * kDegree));
-    soil.gamma_nm *= kept_pa > 0 ? kept_pa / paperCohesion(soil) : 1;
+    soil.gamma_nm *= kept_pa > 0 ? kept_pa / icra2021Cohesion(soil) : 1;
   } else if (key == kCohesion) {
-    soil.gamma_nm *= value / paperCohesion(soil);
+    soil.gamma_nm *= value / icra2021Cohesion(soil);
   } else {
     const auto is_key = [&](const SoilNumber& number) { return number.control.key == key; };
     const SoilNumber& number = *std::ranges::find_if(kSoilNumbers, is_key);

@@ -23,7 +23,7 @@ struct SoilSlider {
 /// model of friction, or differs from the calibrated soil in more than contact friction and cohesion.
 [[nodiscard]] std::optional<CalibratedStrength> calibrationOf(const SceneFile& scene_file);
 
-/// Numbers of this soil that can be changed: friction angle and cohesion, with the paper's friction those that (paper
+/// Numbers of this soil that can be changed: friction angle and cohesion, with ICRA 2021 friction those that (paper
 /// 17, 18) give, with contact friction those of its calibration; without one, friction and cohesion of a contact.
 [[nodiscard]] std::vector<SoilSlider> slidersOf(const SoilParameters& soil,
                                                 const std::optional<CalibratedStrength>& calibration = {});

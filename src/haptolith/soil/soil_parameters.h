@@ -11,8 +11,8 @@ namespace haptolith {
 
 /// Reference of friction, and source of cohesion.
 enum class FrictionModel {
-  kPaper,    ///< against absolute space (paper 14, 20); cohesion is the attraction of (paper 19)
-  kContact,  ///< between particles that touch (Cundall and Strack 1979); cohesion is a separate parameter
+  kIcra2021,  ///< against absolute space (paper 14, 20); cohesion is the attraction of (paper 19)
+  kContact,   ///< between particles that touch (Cundall and Strack 1979); cohesion is a separate parameter
 };
 
 /// The soil as its macroparticles see it: one row of the paper's Table II and the constants the paper fixes once; and
@@ -27,7 +27,7 @@ struct SoilParameters {
   double attraction_ratio = 1.1;  ///< R_attr / R (paper 19); 1 switches attraction off
   double moving_friction_ratio = 0.8;  ///< lambda, moving over static friction (paper 14)
 
-  FrictionModel friction = FrictionModel::kPaper;
+  FrictionModel friction = FrictionModel::kIcra2021;
   double contact_friction = 0.5;      ///< mu_p, Coulomb friction of a contact
   double contact_cohesion_n = 0;      ///< F_c, largest pull of a contact, and what it adds to the normal force
   double cohesion_range_ratio = 0.4;  ///< gap at which two particles still cohere, in R
@@ -101,11 +101,12 @@ inline constexpr std::array kSoilNumbers = [] {
           "Bulk density that no load exceeds (paper 8); above `rho0_kg_m3`."),
       row("stiffness_n_m", &S::stiffness_n_m, {0, Range{}.highest, Ends::kOpen}, {}, kRequired, kFree, 1, 6, 2,
           "Limiting stiffness k of a contact (paper 7)."),
-      row("mu_hat", &S::mu_hat, {0, 10}, kPaper, kDefining, kFree, 0, 5, 0, "Model friction (paper 14); `paper` only."),
-      row("attraction_ratio", &S::attraction_ratio, {1, 2}, kPaper, kUsual, kFree, 0, 7, 0,
-          "Range of attraction over radius (paper 19); 1: no attraction; `paper` only."),
-      row("moving_friction_ratio", &S::moving_friction_ratio, {0, 1}, kPaper, kUsual, kFree, 0, 8, 0,
-          "Moving over static friction (paper 14); `paper` only."),
+      row("mu_hat", &S::mu_hat, {0, 10}, kIcra2021, kDefining, kFree, 0, 5, 0,
+          "Model friction (paper 14); `icra2021` only."),
+      row("attraction_ratio", &S::attraction_ratio, {1, 2}, kIcra2021, kUsual, kFree, 0, 7, 0,
+          "Range of attraction over radius (paper 19); 1: no attraction; `icra2021` only."),
+      row("moving_friction_ratio", &S::moving_friction_ratio, {0, 1}, kIcra2021, kUsual, kFree, 0, 8, 0,
+          "Moving over static friction (paper 14); `icra2021` only."),
       row("contact_friction", &S::contact_friction, {0, 10}, kContact, kDefining, kFree, 0, 9, 6,
           "Coulomb friction coefficient of a contact; `contact` only.",
           {"contact_friction", "contact friction", "", "friction of a contact",

@@ -127,7 +127,7 @@ class FrictionalTool {
   law::FrictionOf<double> friction_;
 };
 
-Answer paperAnswer(const ToolParameters& tool, double radius_m, double dt_s, const Meeting& meeting) noexcept {
+Answer icra2021Answer(const ToolParameters& tool, double radius_m, double dt_s, const Meeting& meeting) noexcept {
   HAPTO_ASSERT(radius_m > 0 && dt_s > 0);
   const double tool_speed = meeting.outward.dot(meeting.tool_m_s);
   const double closing = tool_speed - meeting.outward.dot(meeting.particle_m_s);
@@ -344,7 +344,7 @@ class Encounter {
   [[nodiscard]] Answer answerTo(const Touch& touch, const Vec3& tool_m_s, const Grain& grain,
                                 Vec3& slip_m) const noexcept {
     const Meeting meeting{touch.outward, touch.depth_m, tool_m_s, grain.twist.at(touch.point_m - grain.lever_m)};
-    return contact_friction_ ? grain.law->meet(meeting, slip_m) : paperAnswer(tool_, radius_m_, dt_s_, meeting);
+    return contact_friction_ ? grain.law->meet(meeting, slip_m) : icra2021Answer(tool_, radius_m_, dt_s_, meeting);
   }
 
   void feel(const Answer& answer, const Vec3& point_m) noexcept {

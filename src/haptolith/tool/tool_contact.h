@@ -56,7 +56,7 @@ struct ToolMemory {
 /// further from the box around the tool than contact reaches are passed over without an exact test, 16 at a time. May
 /// be called in the tick.
 ///
-/// Soil with the paper's friction meets the tool as (paper 21) says. With contact friction the normal force is the
+/// Soil with ICRA 2021 friction meets the tool as (paper 21) says. With contact friction the normal force is the
 /// same while they overlap, but damping never pulls, adhesion is the tool's own (as cohesion, see cohesionAcross()),
 /// and Coulomb friction with a memory acts along the surface, tan(delta) (N + F_adhesion) at most.
 /// @param tool    of jaws, `opening_m` is how far apart they are now.

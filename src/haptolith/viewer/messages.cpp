@@ -74,7 +74,7 @@ OrderedJson measuresOf(const SceneFile& scene_file) {
     }
     return measures;
   }
-  if (soil.friction == FrictionModel::kPaper) {
+  if (soil.friction == FrictionModel::kIcra2021) {
     measures["bulk_density_kg_m3"] = analysedDensity(soil, scene_file.bed.gravity_m_s2.norm());
     for (const SoilSlider& slider : slidersOf(soil)) {
       measures[std::string(slider.key)] = slider.value;

@@ -14,6 +14,12 @@ import { PROTOCOL_VERSION } from './version.js';
 const Shape = v.picklist(['box', 'sphere', 'plate', 'cylinder', 'jaws', 'mesh']);
 export type Shape = v.InferOutput<typeof Shape>;
 
+/** `paper` of version 0.2 and earlier is read as `icra2021`. */
+const FrictionModel = v.pipe(
+  v.string(),
+  v.transform((word) => (word === 'paper' ? 'icra2021' : word)),
+);
+
 const Hello = v.object({
   type: v.literal('hello'),
   protocol: v.literal(PROTOCOL_VERSION),
@@ -34,7 +40,7 @@ const Hello = v.object({
     }),
   ),
   bodies: v.array(v.object({ name: v.string(), gravity_m_s2: v.number() })),
-  frictions: v.array(v.string()),
+  frictions: v.array(FrictionModel),
   /** those that this page can draw */
   shapes: v.pipe(
     v.array(v.string()),
@@ -110,7 +116,7 @@ const Scene = v.object({
   soil: v.object({
     preset: v.nullable(v.string()),
     name: v.nullable(v.string()),
-    friction: v.nullable(v.string()),
+    friction: v.nullable(FrictionModel),
     friction_angle_deg: v.nullable(v.number()),
     cohesion_pa: v.nullable(v.number()),
     bulk_density_kg_m3: v.nullable(v.number()),

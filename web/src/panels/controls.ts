@@ -236,7 +236,7 @@ export class Controls {
     select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'custom soil');
     const friction = soil.friction ?? '';
     select(this.friction, friction, frictionModelName(friction));
-    this.drag_warning.hidden = friction !== 'paper';
+    this.drag_warning.hidden = friction !== 'icra2021';
     select(this.body, scene.body ?? '', `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
     select(this.manoeuvre, scene.hand.manoeuvre, scene.hand.manoeuvre);
     const angle = soil.friction_angle_deg === null ? '' : `${soil.friction_angle_deg.toFixed(1)}°, `;

@@ -80,14 +80,14 @@ export const EXPLAIN = {
 
 /** Returns the explanation of a slider of a soil. */
 export function sliderExplanation(key: string, friction: string): string | null {
-  if (friction !== 'paper' && key === 'friction_angle_deg') return EXPLAIN.estimated_angle;
-  if (friction !== 'paper' && key === 'cohesion_pa') return EXPLAIN.estimated_cohesion;
+  if (friction !== 'icra2021' && key === 'friction_angle_deg') return EXPLAIN.estimated_angle;
+  if (friction !== 'icra2021' && key === 'cohesion_pa') return EXPLAIN.estimated_cohesion;
   return key in EXPLAIN ? EXPLAIN[key as keyof typeof EXPLAIN] : null;
 }
 
-/** Returns the name that the page shows for a friction model; the protocol uses older names. */
+/** Returns the name that the page shows for a friction model. */
 export function frictionModelName(word: string): string {
-  return { paper: 'ICRA 2021 (drag against space)', contact: 'contact' }[word] ?? word;
+  return { icra2021: 'ICRA 2021 (drag against space)', contact: 'contact' }[word] ?? word;
 }
 
 export const DRAG_WARNING =

@@ -21,7 +21,7 @@ async function madeFilm(): Promise<Buffer | null> {
   const folder = await mkdtemp(join(tmpdir(), 'haptolith-film-'));
   try {
     const run = (...words: string[]): void => void execFileSync(program, words, { cwd: folder, stdio: 'ignore' });
-    run('run', 'paper', '--hand', 'stir', '--duration-s', '1', '--no-serve', '--record', 'run.h5');
+    run('run', 'icra2021', '--hand', 'stir', '--duration-s', '1', '--no-serve', '--record', 'run.h5');
     run('export', 'run.h5', '--format', 'film');
     return await readFile(join(folder, 'run.film'));
   } finally {
@@ -65,7 +65,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
   });
 
   it('digs: the tool moves, and the soil pushes back', async () => {
-    const { page, complaints } = await visit('?scene=paper&view=front');
+    const { page, complaints } = await visit('?scene=icra2021&view=front');
     expect((await scene(page)).particles).toBe(256);
     await holdStill(page);
     const start = await frame(page);
@@ -78,7 +78,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
   });
 
   it('changes the soil, pauses, goes back, and takes a drawing as the tool', async () => {
-    const { page, complaints } = await visit('?scene=paper');
+    const { page, complaints } = await visit('?scene=icra2021');
     await page.selectOption('#soil', 'preset:P1');
     await page.waitForFunction(() => window.haptolith!.scene!.soil.preset === 'P1');
     await page.waitForFunction(() => window.haptolith!.frame!.scene === window.haptolith!.scene!.scene);
@@ -108,7 +108,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
   });
 
   it('puts scene and view into its address, from which somebody else sees the same', async () => {
-    const { page } = await visit('?scene=paper');
+    const { page } = await visit('?scene=icra2021');
     await page.selectOption('#soil', 'preset:P6');
     await page.selectOption('#body', 'Mars');
     await page.waitForFunction(() => window.haptolith!.scene!.soil.preset === 'P6');
@@ -147,7 +147,7 @@ describe.skipIf(!existsSync(join(FOLDER, 'soil.wasm')))('the demo', () => {
 
   it('says why an address shows nothing', async () => {
     const page = await browser.newPage();
-    await page.goto(`${host.address}?scene=paper&set=soil.radius_mm=-1`);
+    await page.goto(`${host.address}?scene=icra2021&set=soil.radius_mm=-1`);
     await page.getByRole('alert').filter({ hasText: 'soil.radius_mm' }).waitFor();
     await page.goto(`${host.address}?scene=cheese`);
     await page.getByRole('alert').filter({ hasText: 'cheese' }).waitFor();

@@ -25,7 +25,7 @@ async function startMock(port: number): Promise<Program> {
 }
 
 async function startExecutable(executable: string, port: number): Promise<Program> {
-  const child = spawn(executable, ['run', 'paper', '--port', String(port), '--serve'], {
+  const child = spawn(executable, ['run', 'icra2021', '--port', String(port), '--serve'], {
     stdio: ['ignore', 'ignore', 'pipe'],
   });
   const address = await listeningAddress(child);

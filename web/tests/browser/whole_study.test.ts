@@ -33,7 +33,7 @@ afterAll(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-const study = (): string => join(folder, 'paper.study');
+const study = (): string => join(folder, 'icra2021.study');
 const tell = (...words: string[]): string => execFileSync(executable, ['study', ...words], { encoding: 'utf8' });
 
 /** Starts the study and waits for the participant's address. */
@@ -102,7 +102,7 @@ async function act(page: Page, phase: string): Promise<void> {
 
 describe.skipIf(executable === '')('a whole study', () => {
   it('loses no answer and doubles none when the program is killed', { timeout: 1_200_000 }, async () => {
-    tell('new', study(), '--protocol', 'paper', '--seed', '1');
+    tell('new', study(), '--protocol', 'icra2021', '--seed', '1');
     let { child, address } = await lead('run', '0');
     const port = new URL(address).port;
     const { page, complaints } = await newPage(browser);

@@ -90,13 +90,13 @@ describe('a film', () => {
 describe("the demo's address", () => {
   it('says the same to who reads it', () => {
     const shown = {
-      scene: 'paper',
+      scene: 'icra2021',
       changes: 'gravity.vector_m_s2=[0, 0, -3.72]\nnames.body="Mars & Co"\n',
       eye: { azimuth_deg: 31.4, elevation_deg: 20, zoom: 1.5, aside_m: [0.01, -0.02] as [number, number] },
     };
     const address = addressOf('https://host/demo/?theme=dark#x', shown, { colour: 'force', drawing: 'balls' });
     expect(readShown(new URL(address).search)).toEqual({ ...shown, changes: shown.changes.trim() });
-    expect(address).toContain('https://host/demo/?scene=paper');
+    expect(address).toContain('https://host/demo/?scene=icra2021');
     expect(address).toContain('colour=force');
   });
 

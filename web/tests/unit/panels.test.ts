@@ -71,17 +71,17 @@ describe('an explanation', () => {
 
 describe('a slider', () => {
   it('says where its number is an estimate, and what a number of a contact is', () => {
-    expect(sliderExplanation('friction_angle_deg', 'paper')).not.toContain('estimate');
+    expect(sliderExplanation('friction_angle_deg', 'icra2021')).not.toContain('estimate');
     expect(sliderExplanation('friction_angle_deg', 'contact')).toContain('estimate');
     expect(sliderExplanation('cohesion_pa', 'contact')).toContain('estimate');
     expect(sliderExplanation('contact_friction', 'contact')).toContain('between two particles');
-    expect(sliderExplanation('another', 'paper')).toBeNull();
+    expect(sliderExplanation('another', 'icra2021')).toBeNull();
   });
 });
 
 describe('a model of friction', () => {
   it('has a name that is not "friction"', () => {
-    expect(frictionModelName('paper')).toBe('ICRA 2021 (drag against space)');
+    expect(frictionModelName('icra2021')).toBe('ICRA 2021 (drag against space)');
     expect(frictionModelName('contact')).toBe('contact');
     expect(frictionModelName('another')).toBe('another');
   });

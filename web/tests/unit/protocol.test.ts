@@ -226,6 +226,12 @@ describe('a message of another program', () => {
     expect(read('hello', { shapes: ['box', 'spiral', 'cylinder'] })).toMatchObject({ shapes: ['box', 'cylinder'] });
   });
 
+  it('of version 0.2 calls a friction model otherwise', () => {
+    const soil = { ...(example('scene').soil as object), friction: 'paper' };
+    expect(read('scene', { soil })).toMatchObject({ soil: { friction: 'icra2021' } });
+    expect(read('hello', { frictions: ['paper', 'contact'] })).toMatchObject({ frictions: ['icra2021', 'contact'] });
+  });
+
   it('tells a participant nothing of the soil', () => {
     const { soil } = example('scene');
     const hidden = Object.fromEntries(Object.keys(soil as object).map((key) => [key, null]));

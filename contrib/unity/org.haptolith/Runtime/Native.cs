@@ -69,7 +69,7 @@ namespace Haptolith
     public uint size;
     public uint substeps;  // per tick
     public uint threads;  // that share one, at most
-    public uint friction;  // 0: the paper's, 1: contact
+    public uint friction;  // friction model, 0: icra2021, 1: contact
     public ulong particles;  // the indices of all arrays
     public ulong held;  // of these, that stand for ever where a box of settled soil ends
     public ulong awake;  // that were worked on in the last tick, in whole groups of 16
@@ -358,7 +358,7 @@ namespace Haptolith
     // scenes: soil in a box and a tool
 
     /// <summary>
-    /// A scene from the text of a scene file; NULL or "" is the paper's scene.
+    /// A scene from the text of a scene file; NULL or "" is the scene icra2021.
     /// name       its name in messages; NULL: "scene". Files that it names are relative to that name.
     /// overrides  `count` texts "table.key=value" that replace keys of the file.
     /// progress   may be NULL. Soil that settles takes seconds to minutes the first time.
@@ -368,7 +368,7 @@ namespace Haptolith
     public static extern int hapto_scene_from_toml(byte* text, byte* name, byte** overrides, uint count, IntPtr progress, void* user, IntPtr* @out);
 
     /// <summary>
-    /// As above from a built-in scene of that name ("paper", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
+    /// As above from a built-in scene of that name ("icra2021", "regolith": hapto_list("scenes")), or a file. "auto" is soil of the
     /// Moon in the finest particles that this machine renders at 1 kHz with a core left to others: it measures the machine,
     /// about a second the first time, and keeps the result with settled soil. Overrides of soil.radius_mm and bed.threads
     /// count.
@@ -514,7 +514,7 @@ namespace Haptolith
 
     // soils
 
-    /// <summary>A soil with a name (hapto_list("soils")), a preset of the paper ("P1" to "P6"), or a soil file.</summary>
+    /// <summary>A soil with a name (hapto_list("soils")), a preset of icra2021 ("P1" to "P6"), or a soil file.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_soil_find(byte* name_or_path, IntPtr* @out);
 

@@ -24,7 +24,7 @@ namespace Haptolith
 
     // --- creation ---
 
-    /// <summary>A built-in scene ("paper", "regolith") or a file, with overrides "table.key=value". "auto" is lunar soil
+    /// <summary>A built-in scene ("icra2021", "regolith") or a file, with overrides "table.key=value". "auto" is lunar soil
 /// with the finest particles that this machine renders at 1 kHz; this is measured once, within 1 s.</summary>
     public static Scene FromFile(string name_or_path, string[] overrides = null, Progress progress = null)
     {

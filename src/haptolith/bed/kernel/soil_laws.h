@@ -14,7 +14,7 @@ struct SoilLaws {
 
   SoilParameters soil;
   ContactLaw pair, wall;
-  KernelLaw kernel;  ///< with the paper's friction
+  KernelLaw kernel;  ///< with ICRA 2021 friction
   GradedLaw graded;  ///< with contact friction
   double mass_kg;    ///< mass of a particle of the coarsest class
 };

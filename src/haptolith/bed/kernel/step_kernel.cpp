@@ -7,7 +7,7 @@
 #include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
 #include "haptolith/bed/kernel/frictional_contacts-inl.h"
-#include "haptolith/bed/kernel/paper_contacts-inl.h"
+#include "haptolith/bed/kernel/icra2021_contacts-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -109,9 +109,9 @@ HWY_INLINE Triple<V> forceWithoutWalls(const Sums& sums, const ClassConstants& o
 }
 
 template <bool kPeriodic>
-void paperIn(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
-             std::size_t first, std::size_t last, Moved& moved) {
-  const PaperContacts contacts(law, box.periods, now.inner_skin_m);
+void icra2021In(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+                std::size_t first, std::size_t last, Moved& moved) {
+  const Icra2021Contacts contacts(law, box.periods, now.inner_skin_m);
   const D d;
   const V zero = hn::Zero(d);
   const V one = set(1);
@@ -223,9 +223,9 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
   moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));
 }
 
-void paper(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
-           std::size_t first, std::size_t last, Moved& moved) {
-  (box.periods.any() ? paperIn<true> : paperIn<false>)(law, now, box, arrays, first, last, moved);
+void icra2021(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
+              std::size_t first, std::size_t last, Moved& moved) {
+  (box.periods.any() ? icra2021In<true> : icra2021In<false>)(law, now, box, arrays, first, last, moved);
 }
 
 void contactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
@@ -252,9 +252,9 @@ void storeSums(const Sums& sums, ContactSum* out) {
   }
 }
 
-void paperSums(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
-               std::size_t last, ContactSum* sums) {
-  const PaperContacts contacts(law, periods, 0);
+void icra2021Sums(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
+                  std::size_t last, ContactSum* sums) {
+  const Icra2021Contacts contacts(law, periods, 0);
   forEachVector(arrays, 0, first, last, [&](const Lanes& at) {
     const Float4Vectors x = loadFloat4(arrays.position + at.particle());
     storeSums(contacts.sum<true>(arrays, at, x), sums + at.particle());
@@ -286,14 +286,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace haptolith {
 
-HWY_EXPORT(paper);
+HWY_EXPORT(icra2021);
 HWY_EXPORT(contactFriction);
-HWY_EXPORT(paperSums);
+HWY_EXPORT(icra2021Sums);
 HWY_EXPORT(contactFrictionSums);
 
-void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
-                           std::size_t first, std::size_t last, Moved& moved) noexcept {
-  HWY_DYNAMIC_DISPATCH(paper)(law, now, box, arrays, first, last, moved);
+void stepWithIcra2021Friction(const KernelLaw& law, const StepConstants& now, const StepBox& box,
+                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept {
+  HWY_DYNAMIC_DISPATCH(icra2021)(law, now, box, arrays, first, last, moved);
 }
 
 void stepWithContactFriction(const GradedLaw& law, const StepConstants& now, const StepBox& box,
@@ -303,7 +303,7 @@ void stepWithContactFriction(const GradedLaw& law, const StepConstants& now, con
 
 void sumContacts(const KernelLaw& law, const Periods& periods, const StepArrays& arrays, std::size_t first,
                  std::size_t last, ContactSum* sums) noexcept {
-  HWY_DYNAMIC_DISPATCH(paperSums)(law, periods, arrays, first, last, sums);
+  HWY_DYNAMIC_DISPATCH(icra2021Sums)(law, periods, arrays, first, last, sums);
 }
 
 void sumFrictionalContacts(const GradedLaw& law, const Periods& periods, float dt_s, const StepArrays& arrays,

@@ -17,7 +17,7 @@ struct StepConstants {
   float rest_squared;          ///< (m/s)^2: what moves faster is not at rest
   std::uint64_t pruning_pass;  ///< number of the present pruning pass, see InnerRows
   float inner_skin_m;          ///< inner list: distances up to the cutoff plus this, m
-  // Paper's friction:
+  // ICRA 2021 friction:
   float damping, static_friction, moving_friction;
   // Contact friction:
   float friction_ratio;  ///< friction and cohesion over the soil's: 1, and 0 while settling
@@ -42,8 +42,8 @@ struct Moved {
 
 /// Steps the particles of arrays.groups[first..last-1]: their neighbours, weight, walls and others' forces, then
 /// velocity, then position. May be called in the tick; parts of one bed may be stepped by several threads at once.
-void stepWithPaperFriction(const KernelLaw& law, const StepConstants& now, const StepBox& box, const StepArrays& arrays,
-                           std::size_t first, std::size_t last, Moved& moved) noexcept;
+void stepWithIcra2021Friction(const KernelLaw& law, const StepConstants& now, const StepBox& box,
+                              const StepArrays& arrays, std::size_t first, std::size_t last, Moved& moved) noexcept;
 
 /// As above with contact friction, whose memory advances by the step. Each pair is worked out from both sides, with
 /// exactly opposite results.

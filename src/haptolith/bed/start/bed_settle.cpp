@@ -225,7 +225,7 @@ LaidSoil Bed::gradedSoil(const BedParameters& bed, const SettleProgress& progres
 
 void Bed::settle(double dt_s, double longest_s, const SettleProgress& progress) {
   // With contact friction a thousandth of what a particle gains in falling by its diameter: what only contacts damp
-  // sways for minutes in a large bed. What the paper's damping holds sinks more slowly than that.
+  // sways for minutes in a large bed. Soil held by ICRA 2021 damping sinks more slowly than that.
   const double falling_m_s = std::sqrt(4 * parameters_.gravity_m_s2.norm() * parameters_.soil.radius_m);
   const double at_rest_m_s = hasContactFriction() ? std::max(1e-4, 1e-3 * falling_m_s) : 1e-4;
   constexpr int kStepsBetweenLooks = 100;

@@ -35,10 +35,10 @@ constexpr double kPouredLift = 1e-4;
 /// Soil that has not settled after this fraction of the time limit is accepted once it is as calm as poured soil.
 constexpr double kCalmAfter = 0.9;
 
-/// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten. With the paper's friction,
+/// A tile is at rest when nothing in it moves faster. Its speeds are then forgotten. With ICRA 2021 friction,
 /// which has no memory, as in Bed::settle(): stiff soil keeps creeping at a third of that.
 double restSpeed(FrictionModel friction) {
-  return friction == FrictionModel::kPaper ? 1e-4 : 1e-5;  // m/s
+  return friction == FrictionModel::kIcra2021 ? 1e-4 : 1e-5;  // m/s
 }
 
 /// The length nearest to the usual edge of which a whole number makes up a box that repeats itself; else the edge.
@@ -112,10 +112,10 @@ bool isCalm(const Bed& bed) {
   return meanSquareSpeed(bed) < 2 * kPouredLift * bed.parameters().gravity_m_s2.norm() * bed.parameters().soil.radius_m;
 }
 
-/// Soil that has fallen without friction, as dense as it then lies, and is levelled. With the paper's friction it sinks
+/// Soil that has fallen without friction, as dense as it then lies, and is levelled. With ICRA 2021 friction it sinks
 /// slowly in what damps against space, and is waited for as any rain.
 std::vector<Float4> poured(const BedParameters& tile, const TileProgress& progress) {
-  if (tile.soil.friction == FrictionModel::kPaper) {
+  if (tile.soil.friction == FrictionModel::kIcra2021) {
     return levelled(Bed(tile, progress));
   }
   Bed bed(tile, inSpatialOrder(startingCentres(tile), tile.soil.radius_m));

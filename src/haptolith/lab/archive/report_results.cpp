@@ -107,9 +107,9 @@ std::string reportName(const LabTest& test) {
   return test.without_cohesion ? test.name + ", without cohesion" : test.name;
 }
 
-std::vector<ReportRow> reportRows(const LabTest& test, const ReportCell& contact, const ReportCell& paper) {
+std::vector<ReportRow> reportRows(const LabTest& test, const ReportCell& contact, const ReportCell& icra2021) {
   std::vector<Finding> findings;  // from any model that has them; both have the same quantities
-  for (const ReportCell* cell : {&contact, &paper}) {
+  for (const ReportCell* cell : {&contact, &icra2021}) {
     for (const auto& result : *cell) {
       if (result && findings.empty()) {
         findings = result->findings;
@@ -119,13 +119,13 @@ std::vector<ReportRow> reportRows(const LabTest& test, const ReportCell& contact
   if (findings.empty()) {
     Finding none;
     none.accepted = Range{};  // a missing number is a failure
-    return {{reportName(test), test.description, "", valueOf(contact, 0, none), valueOf(paper, 0, none)}};
+    return {{reportName(test), test.description, "", valueOf(contact, 0, none), valueOf(icra2021, 0, none)}};
   }
   std::vector<ReportRow> rows;
   rows.reserve(findings.size());
   for (std::size_t i = 0; i < findings.size(); ++i) {
     rows.push_back({reportName(test), findings[i].measured, findings[i].target, valueOf(contact, i, findings[i]),
-                    valueOf(paper, i, findings[i])});
+                    valueOf(icra2021, i, findings[i])});
   }
   return rows;
 }

@@ -37,6 +37,6 @@ using ReportCell = std::vector<std::optional<ReportResult>>;
 
 /// Returns the table rows of one test: its findings, with both models side by side.
 [[nodiscard]] std::vector<ReportRow> reportRows(const LabTest& test, const ReportCell& contact,
-                                                const ReportCell& paper);
+                                                const ReportCell& icra2021);
 
 }  // namespace haptolith

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/nearest_word.h"
 #include "haptolith/core/overloaded.h"
 
@@ -35,6 +36,13 @@ double numberIn(const std::string& key, const toml::node& node) {
     refuse(key, node, "a number");
   }
   return *number;
+}
+
+/// Returns the key of today for one that earlier versions had.
+std::string currentKey(std::string_view key) {
+  constexpr std::string_view kTable = "lab.";
+  const std::string full = fmt::format("{}{}", kTable, key);
+  return std::string(currentNameTold(NameKind::kKey, full).substr(kTable.size()));
 }
 
 }  // namespace
@@ -71,8 +79,11 @@ void setOption(const LabOption& option, const toml::node& node) {
                    count.set(*given);
                  },
                  [&](const LabOption::Word& word) {
-                   const auto given = word.words.empty() && node.is_number() ? std::optional(shown(node))
-                                                                             : node.value_exact<std::string>();
+                   auto given = word.words.empty() && node.is_number() ? std::optional(shown(node))
+                                                                       : node.value_exact<std::string>();
+                   if (given && !word.words.empty()) {
+                     given = std::string(currentNameTold(NameKind::kWord, *given));
+                   }
                    if (!given || (!word.words.empty() && std::ranges::find(word.words, *given) == word.words.end())) {
                      refuse(key, node,
                             word.words.empty() ? "a text" : fmt::format("{}", fmt::join(word.words, " or ")));
@@ -83,16 +94,17 @@ void setOption(const LabOption& option, const toml::node& node) {
 }
 
 void setOptions(const toml::table& table, const std::vector<LabOption>& options) {
-  for (const auto& [key, node] : table) {
-    const auto option = std::ranges::find(options, key.str(), &LabOption::key);
+  for (const auto& [name, node] : table) {
+    const std::string key = currentKey(name.str());
+    const auto option = std::ranges::find(options, key, &LabOption::key);
     if (option == options.end()) {
       std::vector<std::string_view> known;
       known.reserve(options.size());
       for (const LabOption& other : options) {
         known.push_back(other.key);
       }
-      const std::string_view nearest = nearestWord(key.str(), known);
-      throw InvalidParameter(std::string(key.str()), shown(node),
+      const std::string_view nearest = nearestWord(key, known);
+      throw InvalidParameter(key, shown(node),
                              fmt::format("one of the keys {}{}", fmt::join(known, ", "),
                                          nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
     }

@@ -61,7 +61,7 @@ LabTest payloadEntry() {
   auto own = std::make_shared<PayloadOptions>();
   return {.name = "payload",
           .description = "Hold, move and shake a loaded shovel: rendered weight and drag",
-          .examples = "  haptolith lab payload\n  haptolith lab payload --friction paper",
+          .examples = "  haptolith lab payload\n  haptolith lab payload --friction-model icra2021",
           .typical_s = 1,
           .options = {countOption("particles", own->particles, PayloadRanges::particles,
                                   "Number of particles dropped on the shovel"),
@@ -73,7 +73,7 @@ LabTest freeFallEntry() {
   auto own = std::make_shared<FreeFallOptions>();
   return {.name = "free-fall",
           .description = "Drop a clump of particles: acceleration over g",
-          .examples = "  haptolith lab free-fall\n  haptolith lab free-fall --friction paper",
+          .examples = "  haptolith lab free-fall\n  haptolith lab free-fall --friction-model icra2021",
           .typical_s = 5,
           .options = {numberOption("fall_m", own->fall_m, "Height of the fall")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return freeFallOutput(conditions, *own); }};

@@ -64,7 +64,7 @@ LabTest shearEntry() {
           .examples =
               "  haptolith lab shear\n"
               "  haptolith lab shear --soil dry-sand --figure shear.svg\n"
-              "  haptolith lab shear --friction paper --json\n"
+              "  haptolith lab shear --friction-model icra2021 --json\n"
               "  haptolith lab shear --sizes 2",
           .typical_s = 150,
           .options = {listOption("normal_pa", own->normal_stresses_pa, 1, "Normal stresses, three or more"),

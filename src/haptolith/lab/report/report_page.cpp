@@ -104,11 +104,11 @@ std::string tableHtml(const std::vector<ReportRow>& rows) {
   std::string html =
       "<h2>Results</h2>\n<div class=\"wide\">\n<table>\n<thead>\n<tr><th scope=\"col\">Test</th>"
       "<th scope=\"col\">Measured</th><th scope=\"col\">Target</th><th scope=\"col\">Contact friction</th>"
-      "<th scope=\"col\">The paper's friction</th></tr>\n</thead>\n<tbody>\n";
+      "<th scope=\"col\">ICRA 2021 friction</th></tr>\n</thead>\n<tbody>\n";
   for (const ReportRow& row : rows) {
-    html +=
-        fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>{}{}</tr>\n", htmlEscaped(row.test),
-                    htmlEscaped(row.measured), htmlEscaped(row.target), valueHtml(row.contact), valueHtml(row.paper));
+    html += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td>{}{}</tr>\n", htmlEscaped(row.test),
+                        htmlEscaped(row.measured), htmlEscaped(row.target), valueHtml(row.contact),
+                        valueHtml(row.icra2021));
   }
   return html + "</tbody>\n</table>\n</div>\n";
 }

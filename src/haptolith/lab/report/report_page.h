@@ -23,7 +23,7 @@ struct ReportRow {
   std::string measured;  ///< description of the quantity
   std::string target;    ///< target with its source
   ReportValue contact;   ///< result of FrictionModel::kContact
-  ReportValue paper;     ///< result of FrictionModel::kPaper
+  ReportValue icra2021;  ///< result of FrictionModel::kIcra2021
 };
 
 /// One condition of the tests, for example {"Gravity", "1.625 m/s^2"}.

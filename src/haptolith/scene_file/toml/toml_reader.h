@@ -25,7 +25,7 @@ struct FileKind {
   std::string_view name;         ///< "scene"
   std::string_view example_key;  ///< "title"
   std::string_view document;     ///< "docs/reference/scenes.md"
-  std::string_view left_out;     ///< text for absent keys: "left out, so the paper's"
+  std::string_view left_out;     ///< text for absent keys: "left out, so as in icra2021"
 };
 
 /// Place of a key of any type.

@@ -239,7 +239,7 @@ std::string nameOf(const PerceivedCue& perceived) {
 }
 
 ParticipantsWeberFraction participantsWeberFraction(std::string_view block) {
-  const double told = block == "friction" ? 0.29 : 3.31;  // paper, III
+  const double told = block == "friction" ? 0.29 : 3.31;  // icra2021, III
   return {.as_meant = told,
           .as_printed = std::exp(std::sqrt(std::log(1 + told))) - 1,
           .as_printed_log10 = std::pow(10, std::sqrt(std::log10(1 + told))) - 1};

@@ -23,7 +23,7 @@ struct PerceptionStimulus {
 /// Explorations of one of the two experiments of icra2021, with one model of friction.
 struct PerceptionBlock {
   std::string name;  ///< "friction" or "gravity"
-  FrictionModel friction = FrictionModel::kPaper;
+  FrictionModel friction = FrictionModel::kIcra2021;
   std::vector<PerceptionStimulus> stimuli;  ///< in the order of their x
   std::size_t reference = 0;                ///< index in `stimuli`
   /// [stimulus][hand][repeat]
@@ -32,7 +32,7 @@ struct PerceptionBlock {
 
 struct PerceptionOptions {
   std::vector<std::string> blocks{"friction", "gravity"};
-  std::vector<FrictionModel> frictions{FrictionModel::kPaper, FrictionModel::kContact};
+  std::vector<FrictionModel> frictions{FrictionModel::kIcra2021, FrictionModel::kContact};
   std::vector<Manoeuvre> hands{Manoeuvre::kStir, Manoeuvre::kPress, Manoeuvre::kScoop};
   double contact_cohesion_n = 0;  ///< F_c of soil with contact friction
   int repeats = 15;               ///< explorations of each stimulus by each hand, 2 or more

@@ -25,11 +25,11 @@ constexpr Panel kPanels[] = {
 
 // Two colours of Okabe and Ito, distinguishable with colour blindness.
 std::string_view colourOf(FrictionModel friction) {
-  return friction == FrictionModel::kPaper ? "#d55e00" : "#0072b2";
+  return friction == FrictionModel::kIcra2021 ? "#d55e00" : "#0072b2";
 }
 
 std::string_view titleOf(FrictionModel friction) {
-  return friction == FrictionModel::kPaper ? "paper''s friction" : "contact friction";
+  return friction == FrictionModel::kIcra2021 ? "ICRA 2021 friction" : "contact friction";
 }
 
 /// Returns the names of the experiments, in their order.
@@ -80,7 +80,7 @@ void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& bloc
         }
         drawn = found->cue;
         std::vector<std::vector<double>> rows;
-        const double aside = blocks[b].friction == FrictionModel::kPaper ? 0.99 : 1.01;  // bars next to each other
+        const double aside = blocks[b].friction == FrictionModel::kIcra2021 ? 0.99 : 1.01;  // bars next to each other
         for (std::size_t i = 0; i < found->means.size(); ++i) {
           rows.push_back({blocks[b].stimuli[i].x * aside, found->means[i], found->deviations[i]});
         }
@@ -148,7 +148,7 @@ void drawWeberFractions(const OutputFile& path, const std::vector<PerceptionBloc
         most = one.discrimination.most;
         tics += fmt::format("{}'{}' {}", tics.empty() ? "" : ", ",
                             one.cue == nullptr ? fmt::format("{{/:Bold {}}}", nameOf(one)) : nameOf(one), y);
-        const double aside = blocks[b].friction == FrictionModel::kPaper ? 0.12 : -0.12;
+        const double aside = blocks[b].friction == FrictionModel::kIcra2021 ? 0.12 : -0.12;
         const bool found = std::isfinite(one.discrimination.weber_fraction);
         const auto shown = [&](double fraction) { return std::isfinite(fraction) ? fraction : most; };
         (found ? known : beyond)

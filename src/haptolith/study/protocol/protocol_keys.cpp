@@ -170,7 +170,7 @@ std::vector<ProtocolKey> allProtocolKeys() {
       protocol.text("thanks", &StudyProtocol::thanks, "Text at the end.", TextSize::kPage),
       {"", "scene", "",
        ProtocolKey::PathValue{[](D& d, const std::filesystem::path& v) { d.scene_file = v; }, kOnlyRead},
-       "Scene file next to the protocol, or a built-in scene. Default: the paper's scene."},
+       "Scene file next to the protocol, or a built-in scene. Default: `icra2021`."},
       protocol.word("order", &StudyProtocol::order, kOrderWords,
                     "Order of the blocks: as listed, balanced over participants, or randomised. Default: `fixed`."),
       protocol.onOrOff("record", &StudyProtocol::record, "Whether trials are recorded. Default: true."),
@@ -350,20 +350,20 @@ std::vector<BlockKey> sceneKeys() {
   std::vector<BlockKey> keys{
       {"scene", "preset", "",
        BlockKey::WordValue{namesOf(presets()), [](D& d, std::string_view v) { d.block.scene.preset = v; }, kOnlyRead},
-       "Soil of the paper's Table II."},
+       "Soil of the ICRA 2021 paper (Table II)."},
       {"scene", "soil", "",
        BlockKey::WordValue{builtInSoilNames(), [](D& d, std::string_view v) { d.block.scene.soil = v; }, kOnlyRead},
        "Named soil; not together with `preset`."},
       {"scene", "body", "",
        BlockKey::WordValue{namesOf(bodies()), [](D& d, std::string_view v) { d.block.scene.body = v; }, kOnlyRead},
        "Celestial body."},
-      {"scene", "friction", "",
+      {"scene", "friction_model", "",
        BlockKey::WordValue{namesOf(kFrictionWords),
                            [](D& d, std::string_view v) { d.block.scene.friction = valueOf(kFrictionWords, v); },
                            kOnlyRead},
        "Friction model (scenes.md)."},
-      sliderKey("friction_angle_deg", {1, 70}, "Friction angle of the soil; for `paper` friction."),
-      sliderKey("cohesion_pa", {0, kNoLimit}, "Cohesion of the soil; for `paper` friction."),
+      sliderKey("friction_angle_deg", {1, 70}, "Friction angle of the soil; for `icra2021` friction."),
+      sliderKey("cohesion_pa", {0, kNoLimit}, "Cohesion of the soil; for `icra2021` friction."),
   };
   for (const SoilNumber& number : kSoilNumbers) {
     if (const SoilControl& control = number.control; !control.key.empty()) {

@@ -36,8 +36,8 @@ ModelLearner::Prior priorOf(const SoilState& state) {
 
 SceneFile readyToLearn(SceneFile model) {
   if (!canLearn(model)) {
-    throw InvalidParameter("model: soil.friction", "paper",
-                           "contact: the strength of 'paper' friction cannot be estimated from digging");
+    throw InvalidParameter("model: soil.friction_model", "icra2021",
+                           "contact: the strength of 'icra2021' friction cannot be estimated from digging");
   }
   model.bed.soil.contact_cohesion_n = std::max(kHardly_n, model.bed.soil.contact_cohesion_n);
   return model;

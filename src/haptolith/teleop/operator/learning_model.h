@@ -14,7 +14,7 @@
 
 namespace haptolith {
 
-/// Whether a model's soil can adapt: not with the paper's friction, whose strength cannot be estimated from
+/// Whether a model's soil can adapt: not with ICRA 2021 friction, whose strength cannot be estimated from
 /// digging.
 [[nodiscard]] inline bool canLearn(const SceneFile& model) {
   return model.bed.soil.friction == FrictionModel::kContact;

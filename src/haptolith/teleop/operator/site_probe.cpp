@@ -103,8 +103,8 @@ ProbedSoil probeSite(const SceneFile& site, const RobotParameters& parameters, c
 
 SceneFile withBelievedSoil(SceneFile model, const SoilBelief& belief, const StrengthMap& strengths) {
   if (model.bed.soil.friction != FrictionModel::kContact) {
-    throw InvalidParameter("model: soil.friction", "paper",
-                           "contact: the strength of 'paper' friction cannot be estimated from digging");
+    throw InvalidParameter("model: soil.friction_model", "icra2021",
+                           "contact: the strength of 'icra2021' friction cannot be estimated from digging");
   }
   model.bed.soil = strengths.with(model.bed.soil, {belief.friction_angle_deg.middle, belief.cohesion_pa.middle});
   model.tool.friction = std::tan(belief.tool_friction_angle_deg.middle * std::numbers::pi / 180);

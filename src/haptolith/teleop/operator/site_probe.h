@@ -23,7 +23,7 @@ struct ProbedSoil {
                                    const LabProgress& progress = {});
 
 /// The model with soil of its kind and the estimated strength, and the tool's friction in it.
-/// @throws InvalidParameter for a model with the paper's friction.
+/// @throws InvalidParameter for a model with ICRA 2021 friction.
 [[nodiscard]] SceneFile withBelievedSoil(SceneFile model, const SoilBelief& belief, const StrengthMap& strengths);
 
 }  // namespace haptolith

@@ -15,7 +15,7 @@ public sealed class BedAndTool : MonoBehaviour
   const int MostTicks = 50;
 
   [Tooltip("A built-in scene, or a scene file.")]
-  public string SceneName = "paper";
+  public string SceneName = "icra2021";
 
   [Tooltip("Keys of the scene, table.key=value.")]
   public string[] Overrides = { "soil.preset=P3" };

@@ -1,4 +1,4 @@
-// The paper's scene in the hand, a minute long: 256 particles of P4 in a box of 126 mm, the shovel of 50 x 40 x 5 mm.
+// The scene icra2021 in the hand, a minute long: 256 particles of P4 in a box of 126 mm, the shovel of 50 x 40 x 5 mm.
 
 #include <gtest/gtest.h>
 
@@ -50,9 +50,9 @@ Outcome minuteOf(Manoeuvre manoeuvre, HandCompliance compliance) {
           scene.bed().listRebuilds()};
 }
 
-class PaperScene : public testing::TestWithParam<Manoeuvre> {};
+class Icra2021Scene : public testing::TestWithParam<Manoeuvre> {};
 
-TEST_P(PaperScene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
+TEST_P(Icra2021Scene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
   const Outcome first = minuteOf(GetParam(), HandCompliance::kArm);
   RecordProperty("largest_force_mn", static_cast<int>(1e3 * first.largest_force_n));
   RecordProperty("list_rebuilds", static_cast<int>(first.list_rebuilds));
@@ -64,10 +64,10 @@ TEST_P(PaperScene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
   EXPECT_EQ(first.hash, second.hash);
 }
 
-INSTANTIATE_TEST_SUITE_P(Manoeuvres, PaperScene, testing::Values(Manoeuvre::kScoop, Manoeuvre::kStir),
+INSTANTIATE_TEST_SUITE_P(Manoeuvres, Icra2021Scene, testing::Values(Manoeuvre::kScoop, Manoeuvre::kStir),
                          [](const auto& manoeuvre) { return manoeuvre.param == Manoeuvre::kScoop ? "Scoop" : "Stir"; });
 
-TEST(PaperSceneHeldRigid, AMinuteOfStirringLosesNobody) {
+TEST(Icra2021SceneHeldRigid, AMinuteOfStirringLosesNobody) {
   const Outcome outcome = minuteOf(Manoeuvre::kStir, HandCompliance::kRigid);
   EXPECT_LT(outcome.speed_m_s, 1e-4);
 }

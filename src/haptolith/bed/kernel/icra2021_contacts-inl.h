@@ -1,11 +1,11 @@
-// Force of the neighbours on each particle by the paper's law. Included again for every target, therefore the toggled
-// guard (Highway's idiom).
+// Force of the neighbours on each particle by the law of icra2021. Included again for every target, therefore the
+// toggled guard (Highway's idiom).
 
-#if defined(HAPTOLITH_PAPER_CONTACTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HAPTOLITH_PAPER_CONTACTS_INL_H_
-#undef HAPTOLITH_PAPER_CONTACTS_INL_H_
+#if defined(HAPTOLITH_ICRA2021_CONTACTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HAPTOLITH_ICRA2021_CONTACTS_INL_H_
+#undef HAPTOLITH_ICRA2021_CONTACTS_INL_H_
 #else
-#define HAPTOLITH_PAPER_CONTACTS_INL_H_
+#define HAPTOLITH_ICRA2021_CONTACTS_INL_H_
 #endif
 
 #include "haptolith/bed/kernel/rows-inl.h"
@@ -13,12 +13,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace haptolith::HWY_NAMESPACE {
 
-struct PaperContacts {
+struct Icra2021Contacts {
   LawOf<V> law;
   V cutoff, inner_cutoff, diameter;
   PeriodsOf periods;
 
-  PaperContacts(const KernelLaw& scalar, const Periods& box, float inner_skin_m)
+  Icra2021Contacts(const KernelLaw& scalar, const Periods& box, float inner_skin_m)
       : law(lawOf(scalar)),
         cutoff(set(scalar.cutoff)),
         inner_cutoff(set(scalar.cutoff + inner_skin_m)),
