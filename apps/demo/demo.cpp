@@ -263,7 +263,7 @@ std::string Demo::changes() const {
   now.loop = base_.loop;  // the loop belongs to the worker
   now.bed.threads = base_.bed.threads;
   now.hand.surface_m = base_.hand.surface_m;
-  now.hand.manoeuvre = session_.manoeuvre();
+  now.hand.motion = session_.motion();
   return overridesOf(base_, now);
 }
 

@@ -222,9 +222,10 @@ TEST(Usage, WrongValuesOfOptionsAreToldWithWhatIsValid) {
     EXPECT_EQ(result.exit_status, 2) << arguments;
     return result.errors;
   };
-  EXPECT_THAT(errorOf("run --hand dig"), StartsWith("haptolith: error: --hand: 'dig' is not valid: must be carry, cut, "
-                                                    "furrows, press, scoop, shake, still or stir"));
-  EXPECT_THAT(errorOf("run --hand shak"), HasSubstr("; did you mean shake?\n"));
+  EXPECT_THAT(errorOf("run --motion dig"),
+              StartsWith("haptolith: error: --motion: 'dig' is not valid: must be carry, cut, "
+                         "furrows, press, scoop, shake, still or stir"));
+  EXPECT_THAT(errorOf("run --motion shak"), HasSubstr("; did you mean shake?\n"));
   EXPECT_THAT(errorOf("run --port 99999"),
               StartsWith("haptolith: error: --port: 99999 is not valid: must be a whole number, 0 to 65535\n"));
   EXPECT_THAT(errorOf("run --duration-s -1"),
@@ -388,7 +389,7 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("--ver"), "--version\n");
   EXPECT_EQ(bashOffers("completion b"), "bash\n");
   EXPECT_EQ(bashOffers("completion --"), "--help\n");
-  EXPECT_EQ(bashOffers("run --hand s"), "scoop shake still stir\n");
+  EXPECT_EQ(bashOffers("run --motion s"), "scoop shake still stir\n");
   EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
   EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
   EXPECT_EQ(bashOffers("run --friction c"), "contact\n");

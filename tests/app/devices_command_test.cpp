@@ -92,10 +92,10 @@ TEST(RunDevice, WithoutItsSdkTheForceDimensionSaysWhatToDo) {
               AllOf(HasSubstr(kNowhere), HasSubstr("SDK"), HasSubstr("forcedimension.com"), HasSubstr("FORCEDIM_SDK")));
 }
 
-TEST(RunDevice, AHandsManoeuvreAndADeviceExcludeEachOther) {
-  const ProgramResult result = runHaptolith("run paper --device gamepad --hand scoop --duration-s 0.1");
+TEST(RunDevice, AHandsMotionAndADeviceExcludeEachOther) {
+  const ProgramResult result = runHaptolith("run paper --device gamepad --motion scoop --duration-s 0.1");
   EXPECT_EQ(result.exit_status, 2);
-  EXPECT_THAT(result.errors, AllOf(HasSubstr("--device"), HasSubstr("--hand")));
+  EXPECT_THAT(result.errors, AllOf(HasSubstr("--device"), HasSubstr("--motion")));
 }
 
 TEST(RunDevice, OneThatNobodyKnowsIsRefusedWithThoseThatAreKnown) {

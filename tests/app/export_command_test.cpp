@@ -40,7 +40,7 @@ class ExportCommand : public testing::Test {
   /// its main thread has one picture only.
   void makeRun() const {
     const ProgramResult result =
-        runHaptolith("run paper --duration-s 1 --hand stir --no-serve --record-frames 20 --record " + file("run.h5"));
+        runHaptolith("run paper --duration-s 1 --motion stir --no-serve --record-frames 20 --record " + file("run.h5"));
     ASSERT_EQ(result.exit_status, 0) << result.errors;
   }
 

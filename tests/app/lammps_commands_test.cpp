@@ -104,7 +104,7 @@ TEST_F(ToLammps, GoesABedAndComesBackAsItLay) {
   EXPECT_NEAR(after_m / before_m, 1, 0.01);
   // At rest, to be felt.
   const ProgramResult run = runHaptolith(fmt::format(
-      "run {} --hand still --duration-s 0.5 --unpaced --record {} --json", path("back.toml"), path("back.h5")));
+      "run {} --motion still --duration-s 0.5 --unpaced --record {} --json", path("back.toml"), path("back.h5")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
   ASSERT_EQ(runHaptolith(fmt::format("export {} --format particles-csv --out {}", path("back.h5"), path("p.csv")))
                 .exit_status,

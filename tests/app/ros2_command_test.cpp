@@ -42,7 +42,7 @@ TEST(Ros2Command, TellsWhatItTold) {
     GTEST_SKIP() << "this program has no DDS";
   }
   const ProgramResult result = runHaptolith(
-      "ros2 paper --hand stir --localhost --domain 97 --node-name digger --ros-namespace /site --duration-s 0.5 "
+      "ros2 paper --motion stir --localhost --domain 97 --node-name digger --ros-namespace /site --duration-s 0.5 "
       "--json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json told = json::parse(result.output).at("ros2");

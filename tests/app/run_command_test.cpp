@@ -169,11 +169,11 @@ TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
 }
 
 TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
-  const std::string scoop = "paper --unpaced --duration-s 3 --hand scoop";
+  const std::string scoop = "paper --unpaced --duration-s 3 --motion scoop";
   const json once = summaryOf(scoop);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop)["state_hash"]);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop + " --threads 3")["state_hash"]);
-  EXPECT_EQ(once["state_hash"], summaryOf("paper --duration-s 3 --hand scoop")["state_hash"])
+  EXPECT_EQ(once["state_hash"], summaryOf("paper --duration-s 3 --motion scoop")["state_hash"])
       << "pacing changes the physics";
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --body Mars")["state_hash"]);
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --preset P1")["state_hash"]);
@@ -392,8 +392,8 @@ TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
 TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   for (const char* arguments :
        {"--preset P9", "--soil none.toml", "--soil lhs-1 --preset P1", "--friction none", "--body Vulcan",
-        "--hand dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s nan", "--duration-s -1", "--threads 0",
-        "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
+        "--motion dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s nan", "--duration-s -1", "--threads 0",
+        "--threads two", "--seed -1", "--motion stir --poses x.csv", "one.toml two.toml"}) {
     const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --unpaced ") + arguments);
     EXPECT_EQ(result.exit_status, 2) << arguments;
     EXPECT_THAT(result.errors, HasSubstr("error:")) << arguments;
@@ -409,7 +409,7 @@ TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
   const auto served = [&](const std::string& arguments) {
     return runInShell("bash -c 'set -m; \"$HAPTOLITH\" run paper --port 0 " + arguments + ask + "' " + file("serve"));
   };
-  const ProgramResult result = served("--hand still");
+  const ProgramResult result = served("--motion still");
   EXPECT_THAT(result.output, HasSubstr("200 OK"));
   EXPECT_THAT(result.output, HasSubstr("<title>haptolith"));
   EXPECT_THAT(served("--json --unpaced --serve").output, HasSubstr("200 OK"));
@@ -502,7 +502,7 @@ TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
 TEST_F(RunCommand, ASceneRunsNoCommand) {
   writeFile("gp.toml", fmt::format("title = \"A nice scene\\nsystem(\\\"touch {}\\\")\\n#\"\n", file("pwned")));
   const ProgramResult result = runHaptolith(fmt::format(
-      "run '{}' --hand press --duration-s 0.05 --unpaced --no-serve --figure '{}'", file("gp.toml"), file("g.svg")));
+      "run '{}' --motion press --duration-s 0.05 --unpaced --no-serve --figure '{}'", file("gp.toml"), file("g.svg")));
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("gp.toml:1: title"));
   EXPECT_EQ(files(), std::vector<std::string>{"gp.toml"});

@@ -391,7 +391,7 @@ TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
            {"simulate " + file("a.study") + " --lapse 2", "lapse = 2"},
            {"simulate " + file("a.study") + " --blind 1.5", "--blind"},
            {"simulate " + file("a.study") + " --blind 0.1 --lapse 0.1", "--lapse"},
-           {"simulate " + file("a.study") + " --hand stir", "--judge"},
+           {"simulate " + file("a.study") + " --motion stir", "--judge"},
            {"figure " + file("a.study") + " --block gravity", "gravity"},
            {"figure " + file("a.study") + " --sigmoid round", "round"},
            {"plan --protocol nosuch", "nosuch"},
@@ -471,7 +471,7 @@ TEST_F(StudyRunCommands, SimulatedAnswersStandBesideNoPersons) {
 TEST_F(StudyRunCommands, AHandThatFeelsTellsFrictionApart) {
   makeStudy();
   const ProgramResult simulated =
-      runHaptolith("study simulate --participants 1 --hand stir --judge mean-force --weber 0.001 " + file("a.study"));
+      runHaptolith("study simulate --participants 1 --motion stir --judge mean-force --weber 0.001 " + file("a.study"));
   EXPECT_EQ(simulated.exit_status, 0) << simulated.errors;
   const Json levels = status()["blocks"][0]["levels"];
   ASSERT_EQ(levels.size(), 5U);

@@ -91,7 +91,7 @@ TEST(TeleopCommands, AnOperatorLeadsARobotInAnotherProgram) {
 robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'paper', '--listen', '127.0.0.1:0', '--duration-s', '20',
                           '--json'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
-lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'paper', '--hand', 'still', '--to', '127.0.0.1:' + port,
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'paper', '--motion', 'still', '--to', '127.0.0.1:' + port,
                        '--duration-s', '3', '--json'], capture_output=True, text=True)
 robot.send_signal(2)
 print(json.dumps({'lead': json.loads(lead.stdout), 'robot': json.loads(robot.communicate()[0])}))

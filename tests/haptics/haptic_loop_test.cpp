@@ -259,7 +259,7 @@ TEST(HapticLoop, APoseFilesEndEndsIt) {
       std::filesystem::temp_directory_path() / ("haptolith_loop_" + std::to_string(getpid()) + ".csv");
   std::ofstream(path) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.1,1,0,0,0\n0.25,0,0,0.035,1,0,0,0\n";
   HandParameters hand;
-  hand.manoeuvre = Manoeuvre::kPoses;
+  hand.motion = HandMotion::kPoses;
   hand.compliance = HandCompliance::kRigid;
   hand.poses_file = path.string();
   VirtualHand device(hand, kTick_s);

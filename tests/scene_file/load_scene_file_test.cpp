@@ -136,7 +136,7 @@ TEST_F(LoadSceneFile, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(paper.tool.adhesion_ratio, preset.tool.adhesion_ratio);
   EXPECT_DOUBLE_EQ(paper.tool.friction, preset.tool.friction);
   EXPECT_DOUBLE_EQ(paper.tool.adhesion_n, preset.tool.adhesion_n);
-  EXPECT_EQ(paper.hand.manoeuvre, preset.hand.manoeuvre);
+  EXPECT_EQ(paper.hand.motion, preset.hand.motion);
   EXPECT_EQ(paper.hand.compliance, preset.hand.compliance);
   EXPECT_DOUBLE_EQ(paper.hand.mass_kg, preset.hand.mass_kg);
   EXPECT_DOUBLE_EQ(paper.hand.damping_n_s_m, preset.hand.damping_n_s_m);
@@ -240,12 +240,12 @@ TEST_F(LoadSceneFile, GravityHasABodyOrAMagnitudeAndADirection) {
   EXPECT_TRUE(none.bed.gravity_m_s2.isZero());
 }
 
-TEST_F(LoadSceneFile, PosesLieBesideTheSceneAndImplyTheManoeuvre) {
+TEST_F(LoadSceneFile, PosesLieBesideTheSceneAndImplyTheMotion) {
   std::ofstream(folder_ / "move.csv") << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
   const SceneFile scene = load("[hand]\nposes = 'move.csv'\n");
-  EXPECT_EQ(scene.hand.manoeuvre, Manoeuvre::kPoses);
+  EXPECT_EQ(scene.hand.motion, HandMotion::kPoses);
   EXPECT_EQ(fs::path(scene.hand.poses_file), folder_ / "move.csv");
-  EXPECT_NO_THROW((void)load("[hand]\nposes = 'move.csv'\nmanoeuvre = 'poses'\n"));
+  EXPECT_NO_THROW((void)load("[hand]\nposes = 'move.csv'\nmotion = 'poses'\n"));
 }
 
 // --- what is refused, and in which words ---
@@ -334,8 +334,8 @@ TEST_F(LoadSceneFile, ValuesThatDoNotGoTogetherAreRefused) {
             "x.toml:3: [soil] preset and mu_hat cannot both be given");
   EXPECT_EQ(errorOf("[gravity]\nmagnitude_m_s2 = 1\nbody = 'Moon'\n"),
             "x.toml:3: [gravity] body and magnitude_m_s2 cannot both be given");
-  EXPECT_EQ(errorOf("[hand]\nmanoeuvre = 'press'\nposes = 'a.csv'\n"),
-            "x.toml:3: [hand] poses and manoeuvre cannot both be given");
+  EXPECT_EQ(errorOf("[hand]\nmotion = 'press'\nposes = 'a.csv'\n"),
+            "x.toml:3: [hand] poses and motion cannot both be given");
 }
 
 TEST_F(LoadSceneFile, ALimitThatFollowsFromOtherValuesIsToldInTheUnitOfTheKey) {
@@ -391,8 +391,7 @@ TEST_F(LoadSceneFile, BuiltInScenesAreTheFilesByTheirNames) {
 }
 
 TEST_F(LoadSceneFile, PosesMustExist) {
-  EXPECT_EQ(errorOf("[hand]\nmanoeuvre = 'poses'\n"),
-            "x.toml:2: [hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");
+  EXPECT_EQ(errorOf("[hand]\nmotion = 'poses'\n"), "x.toml:2: [hand] motion = 'poses' needs [hand] poses, a CSV file");
   EXPECT_THAT(errorOf("[hand]\nposes = 'none.csv'\n"), HasSubstr("none.csv: no such file"));
 }
 

@@ -16,7 +16,7 @@ namespace {
 TeleopSetup smallSetup(double round_trip_s) {
   TeleopSetup setup;
   setup.model.bed.soil.friction = FrictionModel::kContact;
-  setup.model.hand.manoeuvre = Manoeuvre::kCut;
+  setup.model.hand.motion = HandMotion::kCut;
   setup.model.hand.depth_m = 0.01;
   setup.model.hand.period_s = 12;
   setup.model.hand.compliance = HandCompliance::kRigid;

@@ -257,7 +257,7 @@ static unsafe class LibraryTests
   {
     Expect.Test("A loop runs on its own thread, is polled, and tells what it feels", () =>
     {
-      using (Scene scene = Small("hand.manoeuvre=press", "hand.period_s=0.4"))
+      using (Scene scene = Small("hand.motion=press", "hand.period_s=0.4"))
       using (Loop loop = new Loop(scene, keep_ticks: true))
       {
         Expect.That(!loop.Poll().Running, "it has not begun");

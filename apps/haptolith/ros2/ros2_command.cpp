@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kRos2Examples = R"(Examples:
   haptolith ros2                              lunar soil; /haptolith/target_pose moves the tool
-  haptolith ros2 dig --hand scoop             the virtual hand digs, ROS 2 subscribes
+  haptolith ros2 dig --motion scoop           the virtual hand digs, ROS 2 subscribes
   haptolith ros2 --device force-dimension     a user digs with a haptic device
   ros2 topic echo /haptolith/wrench --qos-reliability best_effort      in a shell with ROS 2
   haptolith teleop ros2                       connect a ROS 2 robot to `haptolith teleop operator`
@@ -139,7 +139,7 @@ void addRos2Command(CLI::App& app) {
       ->option_text("HZ");
   addRunOptions(*command, [options](SceneFile& scene_file, const SceneOptions& asked) {
     const bool somebody =
-        asked.device.kind || asked.manoeuvre || asked.poses_file || scene_file.device.kind != DeviceKind::kVirtualHand;
+        asked.device.kind || asked.motion || asked.poses_file || scene_file.device.kind != DeviceKind::kVirtualHand;
     return std::make_unique<Ros2Companion>(*options, scene_file, !somebody);
   });
 }

@@ -49,15 +49,15 @@ constexpr const char* kRunExamples = R"(Examples:
   haptolith run                                     lunar soil, until Ctrl-C
   haptolith run --coarser                           one step coarser particles, to save CPU time
   haptolith run paper                               scene of the ICRA 2021 paper
-  haptolith run --hand stir --duration-s 10         ten seconds of stirring
+  haptolith run --motion stir --duration-s 10       ten seconds of stirring
   haptolith run --soil surveyor-3 --body Mars       named soil (haptolith soil list) on another body
   haptolith run --preset P1 --json                  soil of the ICRA 2021 paper, in its scene
-  haptolith run --hand press --trace press.csv --figure press.svg
+  haptolith run --motion press --trace press.csv --figure press.svg
   haptolith run deep-bed                            another scene (haptolith scenes)
   haptolith run sandbox --finest                    another scene, in the finest particles
   haptolith run --poses movement.csv                recorded motion of the hand
   haptolith run --unpaced --duration-s 60 --json    as fast as possible, for experiments
-  haptolith run --hand still --port 9000            dig at http://127.0.0.1:9000/
+  haptolith run --motion still --port 9000          dig at http://127.0.0.1:9000/
   haptolith run --device force-dimension            use a haptic device (haptolith devices)
   haptolith run --duration-s 60 --record run.h5     record for haptolith replay and export)";
 

@@ -106,7 +106,7 @@ const std::vector<std::pair<const char*, Names>>& optionGroups() {
        {"--set", "--preset", "--soil", "--friction", "--body", "--finest", "--coarser", "--measure-again", "--model",
         "--site", "--set-site", "--radius-mm", "--stiffness-n-m"}},
       {"Hand and device",
-       {"--hand", "--poses", "--device", "--device-id", "--device-library", "--device-address", "--device-key-file",
+       {"--motion", "--poses", "--device", "--device-id", "--device-library", "--device-address", "--device-key-file",
         "--device-insecure"}},
       {"Link",
        {"--profile", "--round-trip-s", "--jitter-ms", "--loss", "--burst-loss", "--rate-kbit-s", "--outage",

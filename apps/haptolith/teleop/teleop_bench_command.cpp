@@ -94,7 +94,7 @@ struct TeleopBenchOptions {
   LinkOptions link;
   std::optional<double> duration_given_s;
   std::optional<double> lets_go_s;
-  std::string task;  ///< empty: the scene's manoeuvre
+  std::string task;  ///< empty: the scene's motion
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::string csv_file, figure_file;
   Overwrite overwrite;
@@ -102,8 +102,8 @@ struct TeleopBenchOptions {
   std::optional<bool> mends;  ///< whether a model's surface is adapted; default: if it learns
 
   [[nodiscard]] double duration() const {
-    constexpr double kOfManoeuvre_s = 40, kOfTask_s = 180;
-    return duration_given_s.value_or(task.empty() ? kOfManoeuvre_s : kOfTask_s);
+    constexpr double kOfMotion_s = 40, kOfTask_s = 180;
+    return duration_given_s.value_or(task.empty() ? kOfMotion_s : kOfTask_s);
   }
 };
 
@@ -413,7 +413,7 @@ void addTeleopBench(CLI::App& teleop) {
       ->add_option("--task", options->task,
                    "Task that ends the run. trench: dig 40 mm deep; press: press the tool's face on the soil with 8 N; "
                    "scoop: lift 0.1 N of soil")
-      ->option_text("trench|press|scoop [the scene's manoeuvre]")
+      ->option_text("trench|press|scoop [the scene's motion]")
       ->check(oneOf({"trench", "press", "scoop"}));
   command->add_option("--lets-go-s", options->lets_go_s, "Time at which the hand releases the tool; only with a model")
       ->option_text("SECONDS [never]")

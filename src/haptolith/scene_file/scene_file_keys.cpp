@@ -322,17 +322,17 @@ Keys keysOfTool() {
 Keys keysOfHand() {
   const auto hand = memberKeys<S>("hand", &S::hand);
   return {
-      hand.word("manoeuvre", &HandParameters::manoeuvre, kManoeuvreWords, "Motion that the hand repeats."),
+      hand.word("motion", &HandParameters::motion, kHandMotionWords, "Motion that the hand repeats."),
       {"hand", "poses", "poses",
        PathValue{[](S& s, const std::filesystem::path& v) {
                    s.hand.poses_file = v.string();
-                   s.hand.manoeuvre = Manoeuvre::kPoses;
+                   s.hand.motion = HandMotion::kPoses;
                  },
                  [](const S& s) {
-                   return s.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(s.hand.poses_file)
-                                                                : std::filesystem::path();
+                   return s.hand.motion == HandMotion::kPoses ? std::filesystem::absolute(s.hand.poses_file)
+                                                              : std::filesystem::path();
                  }},
-       "Recorded motion: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, next to the scene file. Implies `manoeuvre`."},
+       "Recorded motion: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, next to the scene file. Implies `motion`."},
       hand.word("compliance", &HandParameters::compliance, kHandComplianceWords,
                 "Yield to force as an arm, or follow the motion exactly."),
       hand.number("mass_kg", &HandParameters::mass_kg, HandRanges::mass_kg, "Mass of the arm at the hand."),
@@ -340,11 +340,11 @@ Keys keysOfHand() {
       hand.number("stiffness_n_m", &HandParameters::stiffness_n_m, HandRanges::stiffness_n_m, "Stiffness of the arm."),
       hand.number("lever_mm", &HandParameters::lever_m, HandRanges::lever_m, kMillimetres,
                   "Lever; rotational mass, damping and stiffness are the above times its square."),
-      hand.number("period_s", &HandParameters::period_s, HandRanges::period_s, "Duration of one manoeuvre."),
+      hand.number("period_s", &HandParameters::period_s, HandRanges::period_s, "Duration of one motion."),
       hand.number("active_s", &HandParameters::active_s, HandRanges::active_s,
                   "After this time the hand leaves the soil and waits above it."),
       hand.vector("home_mm", &HandParameters::home_m, HandRanges::home_m, kMillimetres,
-                  "Start and end of the manoeuvre: x and y in the scene, z above the surface."),
+                  "Start and end of the motion: x and y in the scene, z above the surface."),
       hand.number("depth_mm", &HandParameters::depth_m, HandRanges::depth_m, kMillimetres,
                   "Depth of the tool's centre below the surface."),
       hand.number("surface_mm", &HandParameters::surface_m, HandRanges::surface_m, kMillimetres,

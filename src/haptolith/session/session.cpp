@@ -103,7 +103,7 @@ Session::Session(SceneFile scene_file, bool keep_records, const SettleProgress& 
   if (!wanted_.hand.surface_m) {
     wanted_.hand.surface_m = current_.fresh->surface_m;
   }
-  command_.manoeuvre = wanted_.hand.manoeuvre;
+  command_.motion = wanted_.hand.motion;
   command_.surface_m = *wanted_.hand.surface_m;
   openHand(std::move(device));
   loop_ = std::make_unique<HapticLoop>(*current_.scene, *device_, wanted_.loop, keep_records,

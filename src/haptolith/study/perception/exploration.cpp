@@ -14,7 +14,7 @@
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/core/random.h"
 #include "haptolith/core/statistics.h"
-#include "haptolith/device/hand/manoeuvre.h"
+#include "haptolith/device/hand/hand_motion.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scene_file/scene_words.h"
@@ -32,8 +32,8 @@ constexpr int kMostRounds = 1000;
 constexpr int kTicksPerLook = 20;  ///< ticks between two measurements of the soil on the tool
 
 void validate(const ExplorationOptions& options) {
-  if (options.manoeuvre == Manoeuvre::kPoses) {
-    throw InvalidParameter("manoeuvre", "poses", "a built-in motion: still, press, stir, scoop ...");
+  if (options.motion == HandMotion::kPoses) {
+    throw InvalidParameter("motion", "poses", "a built-in motion: still, press, stir, scoop ...");
   }
   requireInRange("rounds", options.rounds, {1, kMostRounds});
   requireInRange("variation", options.variation, {0, 2});
@@ -206,7 +206,7 @@ ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOption
   const auto about = [&](double share) { return 1 + options.variation * share * uniformSigned(random); };
   ExploringHand exploring{.hand = scene_file.hand};
   HandParameters& hand = exploring.hand;
-  hand.manoeuvre = options.manoeuvre;
+  hand.motion = options.motion;
   hand.home_m.x() += options.variation * kPlace_m * uniformSigned(random);
   hand.home_m.y() += options.variation * kPlace_m * uniformSigned(random);
   hand.period_s *= about(kTempo);
@@ -223,15 +223,15 @@ ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOption
   return exploring;
 }
 
-void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre) {
+void requireReach(const SceneFile& scene_file, HandMotion motion) {
   HandParameters hand = scene_file.hand;
-  hand.manoeuvre = manoeuvre;
+  hand.motion = motion;
   hand.surface_m = 0;
   const ToolCorners corners = cornersOf(scene_file.tool);
-  constexpr int kPlaces = 200;  // sampled poses of a manoeuvre
+  constexpr int kPlaces = 200;  // sampled poses of a motion
   double lowest_m = std::numeric_limits<double>::infinity();
   for (int place = 0; place < kPlaces; ++place) {
-    const Pose scene_T_tool = manoeuvrePose(hand, hand.period_s * place / kPlaces);
+    const Pose scene_T_tool = handMotionPose(hand, hand.period_s * place / kPlaces);
     for (int corner = 0; corner < 8; ++corner) {
       const auto along = [&](int axis) {
         return ((corner >> axis) & 1) == 0 ? corners.low_m[axis] : corners.high_m[axis];
@@ -241,9 +241,9 @@ void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre) {
   }
   const double radius_m = scene_file.bed.soil.radius_m;
   if (-lowest_m < radius_m) {
-    throw InvalidParameter("hand",
+    throw InvalidParameter("motion",
                            fmt::format("{}, which moves the tool {:.1f} mm below the surface",
-                                       wordFor(kManoeuvreWords, manoeuvre), 1e3 * std::max(0.0, -lowest_m)),
+                                       wordFor(kHandMotionWords, motion), 1e3 * std::max(0.0, -lowest_m)),
                            fmt::format("a motion that reaches at least one particle radius, {:g} mm", 1e3 * radius_m));
   }
 }
