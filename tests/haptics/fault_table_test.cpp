@@ -332,7 +332,7 @@ TEST(FaultTable, TheLoopHangsAndTheWatchdogLetsGoBeforeItIsOver) {
   paced.duration_s = 1;
   HandlingParameters handling;
   handling.safety.soft_start_s = 0.05;
-  handling.safety.calm_s = 0.3;
+  handling.safety.recovery_s = 0.3;
   Bench bench(paced, handling);
   std::int64_t hangs_ns = 0, over_ns = 0;
   std::int64_t let_go_ns = 0;

@@ -84,7 +84,7 @@ void pressForAMinute(Felt& felt) {
   Scene scene(bed, {});
   PressingDevice device(felt, scene.bed().surfaceHeight());
   HandlingParameters handling;
-  handling.safety.calm_s = 0.05;
+  handling.safety.recovery_s = 0.05;
   handling.safety.soft_start_s = 0.1;
   LoopParameters paced;
   paced.duration_s = 60;

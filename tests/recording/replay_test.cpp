@@ -79,8 +79,8 @@ SceneFile personsScene() {
   scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
   scene_file.handling.safety.soft_start_s = 0.1;
   scene_file.handling.safety.soft_stop_s = 0.05;
-  scene_file.handling.safety.calm_s = 0.05;
-  scene_file.handling.safety.most_misses = 5;
+  scene_file.handling.safety.recovery_s = 0.05;
+  scene_file.handling.safety.max_missed_deadlines = 5;
   scene_file.loop.paced = false;
   return scene_file;
 }

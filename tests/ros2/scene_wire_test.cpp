@@ -325,7 +325,7 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
   parameters.paced = false;
   HandlingParameters handling;
   handling.safety.soft_start_s = 0.5;
-  handling.safety.calm_s = 0.3;
+  handling.safety.recovery_s = 0.3;
   HapticLoop loop(scene, device, parameters, true, handling);
   const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
   ASSERT_TRUE(eventually([&] { return peer_.readersOf(writer) == 1; }));

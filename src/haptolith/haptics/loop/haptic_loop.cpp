@@ -61,7 +61,7 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
                            fmt::format("the bed's {}", scene.bed().parameters().tick_s));
   }
   if (parameters.paced && !device.simulated()) {
-    watchdog_.emplace(device, handling.safety.heartbeat_s);
+    watchdog_.emplace(device, handling.safety.watchdog_timeout_s);
   }
 }
 
