@@ -163,7 +163,7 @@ Seen inTheHand(const Place& place, HandMotion motion) {
   hand.surface_m = scene.bed().surfaceHeight();
   VirtualHand device(hand, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   loop_parameters.tick_s = bed.tick_s;
   HapticLoop loop(scene, device, loop_parameters, false);
   Seen seen;

@@ -265,14 +265,14 @@ bool takesMinutesToSettle([[maybe_unused]] const std::filesystem::path& scene) {
 TEST(Run, EveryShippedSceneRuns) {
   for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenes")) {
     if (entry.path().extension() == ".toml" && !takesMinutesToSettle(entry.path())) {
-      const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --unpaced --duration-s 0.05");
+      const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --no-realtime --duration-s 0.05");
       EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;
     }
   }
 }
 
 TEST(Run, BuiltInScenesHaveNamesEverywhere) {
-  const ProgramResult result = runInShell("cd / && \"$HAPTOLITH\" run rain --unpaced --duration-s 0.05");
+  const ProgramResult result = runInShell("cd / && \"$HAPTOLITH\" run rain --no-realtime --duration-s 0.05");
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.output, StartsWith("Loose soil from rain"));
   const std::string scenes = runHaptolith("scenes").output;
@@ -283,7 +283,7 @@ TEST(Run, BuiltInScenesHaveNamesEverywhere) {
 
 TEST(Run, AnOldPathOfAShippedSceneStillRuns) {
   const ProgramResult result =
-      runHaptolith(fmt::format("run '{}/scenarios/rain.toml' --unpaced --duration-s 0.05", sourceDir().string()));
+      runHaptolith(fmt::format("run '{}/scenarios/rain.toml' --no-realtime --duration-s 0.05", sourceDir().string()));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr("scenes/rain.toml"));
 }
@@ -291,7 +291,7 @@ TEST(Run, AnOldPathOfAShippedSceneStillRuns) {
 TEST(Run, AKeyWithoutEffectIsAWarning) {
   const std::string path = testing::TempDir() + "haptolith_idle_key.toml";
   std::ofstream(path) << "[soil]\npreset = 'P3'\ncontact_friction = 0.4\n";
-  const std::string run = "run '" + path + "' --unpaced --duration-s 0.01";
+  const std::string run = "run '" + path + "' --no-realtime --duration-s 0.01";
   EXPECT_THAT(runHaptolith(run).errors,
               HasSubstr("warning: " + path + ":3: [soil] contact_friction has no effect: it needs"));
   EXPECT_THAT(runHaptolith(run + " --friction contact").errors, Not(HasSubstr("no effect")));
@@ -299,7 +299,7 @@ TEST(Run, AKeyWithoutEffectIsAWarning) {
 
 TEST(Run, SaysWhatItSaved) {
   const std::string path = testing::TempDir() + "haptolith_told.csv";
-  const std::string run = "run paper --unpaced --overwrite --duration-s 0.05 --trace '" + path + "'";
+  const std::string run = "run paper --no-realtime --overwrite --duration-s 0.05 --trace '" + path + "'";
   const ProgramResult told = runHaptolith(run);
   EXPECT_THAT(told.output, testing::ContainsRegex("saved " + path + ": 50 rows of [0-9]+ columns\n"));
   EXPECT_THAT(told.output, HasSubstr("deadlines  none: not in real time"));
@@ -313,11 +313,12 @@ TEST(Run, RefusesTwoOutputsOfOneName) {
   for (const std::string& two :
        {fmt::format("--record {0}.h5 --trace {0}.h5", name), fmt::format("--trace {0}.svg --figure {0}.svg", name),
         fmt::format("--trace {0}.svg --figure {1}/./haptolith_twice.svg", name, folder)}) {
-    const ProgramResult refused = runHaptolith("run paper --unpaced --duration-s 0.05 --overwrite " + two);
+    const ProgramResult refused = runHaptolith("run paper --no-realtime --duration-s 0.05 --overwrite " + two);
     EXPECT_EQ(refused.exit_status, 2) << two;
     EXPECT_THAT(refused.errors, HasSubstr("name the same file")) << two;
   }
-  EXPECT_THAT(runHaptolith("run paper --unpaced --duration-s 0.05 --trace -").errors, HasSubstr("must be a file name"));
+  EXPECT_THAT(runHaptolith("run paper --no-realtime --duration-s 0.05 --trace -").errors,
+              HasSubstr("must be a file name"));
 }
 
 TEST(Run, APortThatWasAskedForIsThatOrAFailure) {

@@ -123,16 +123,16 @@ TEST(RunDevice, ANetworkDeviceThatNobodyHoldsShowsNoForceAndTheRunEnds) {
 }
 
 TEST(RunWithADevice, NobodysHandIsPutAtALoopWithoutAClock) {
-  const ProgramResult unpaced =
-      runHaptolith("run paper --unpaced --device network --device-address 127.0.0.1:0 --no-serve");
-  EXPECT_EQ(unpaced.exit_status, 2);
-  EXPECT_THAT(unpaced.errors, AllOf(HasSubstr("paced"), HasSubstr("network"), HasSubstr("--unpaced")));
+  const ProgramResult by_option =
+      runHaptolith("run paper --no-realtime --device network --device-address 127.0.0.1:0 --no-serve");
+  EXPECT_EQ(by_option.exit_status, 2);
+  EXPECT_THAT(by_option.errors, AllOf(HasSubstr("real_time"), HasSubstr("network"), HasSubstr("--no-realtime")));
 
-  const fs::path scene = fs::temp_directory_path() / ("haptolith-unpaced-" + std::to_string(getpid()) + ".toml");
-  std::ofstream(scene) << "[loop]\npaced = false\n[device]\nkind = \"network\"\naddress = \"127.0.0.1:0\"\n";
+  const fs::path scene = fs::temp_directory_path() / ("haptolith-no-realtime-" + std::to_string(getpid()) + ".toml");
+  std::ofstream(scene) << "[loop]\nreal_time = false\n[device]\nkind = \"network\"\naddress = \"127.0.0.1:0\"\n";
   const ProgramResult by_scene = runHaptolith("run --no-serve '" + scene.string() + "'");
   EXPECT_EQ(by_scene.exit_status, 2);
-  EXPECT_THAT(by_scene.errors, AllOf(HasSubstr("paced"), HasSubstr("network")));
+  EXPECT_THAT(by_scene.errors, AllOf(HasSubstr("real_time"), HasSubstr("network")));
 
   const ProgramResult snapshot = runHaptolith("snapshot '" + scene.string() + "' --out picture.png");
   EXPECT_EQ(snapshot.exit_status, 2);

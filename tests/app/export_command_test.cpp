@@ -36,8 +36,8 @@ class ExportCommand : public testing::Test {
         0);
   }
 
-  /// A second of the shovel in the paper's soil. Paced, for a run that a busy machine gets through between two turns of
-  /// its main thread has one picture only.
+  /// A second of the shovel in the paper's soil. In real time: of a run that a busy machine gets through between two
+  /// turns of its main thread has one picture only.
   void makeRun() const {
     const ProgramResult result =
         runHaptolith("run paper --duration-s 1 --motion stir --no-serve --record-frames 20 --record " + file("run.h5"));

@@ -94,7 +94,7 @@ class ReplayCommand : public testing::Test {
 };
 
 TEST_F(ReplayCommand, ARecordedRunIsTheSameAgainToTheLastBitWhateverTheThreads) {
-  const json run = recorded("paper --motion stir --unpaced --duration-s 1.5");
+  const json run = recorded("paper --motion stir --no-realtime --duration-s 1.5");
   for (const int threads : {1, 2}) {
     const json replay = verified(fmt::format("--threads {}", threads));
     EXPECT_EQ(replay.at("title"), run.at("title"));
@@ -113,7 +113,7 @@ TEST_F(ReplayCommand, ARecordedRunIsTheSameAgainToTheLastBitWhateverTheThreads) 
 }
 
 TEST_F(ReplayCommand, AHashThatIsAnotherIsNamedAndFailsToVerify) {
-  (void)recorded("paper --motion press --unpaced --duration-s 0.5");
+  (void)recorded("paper --motion press --no-realtime --duration-s 0.5");
   const ProgramResult changed =
       runInShell(fmt::format(R"(/usr/bin/python3 -c "import h5py; ticks = h5py.File('{}', 'r+')['ticks']; )"
                              R"(rows = ticks[:]; rows['state_hash'][400] = 1; ticks[:] = rows")",
@@ -140,7 +140,7 @@ particles = 3000
 layers = 4
 threads = 2
 )";
-  const json run = recorded(fmt::format("'{}' --motion press --unpaced --duration-s 0.8", file("scene.toml")));
+  const json run = recorded(fmt::format("'{}' --motion press --no-realtime --duration-s 0.8", file("scene.toml")));
   EXPECT_EQ(run.at("threads"), 2);
   fs::remove(file("scene.toml"));  // the recording has all of it
   for (const int threads : {1, 3}) {
@@ -166,7 +166,7 @@ TEST_F(ReplayCommand, ARunByTheClockUnderADeviceThatNobodyHoldsIsStaleThroughout
 
 TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
   const std::string run =
-      fmt::format("run paper --motion still --unpaced --no-serve --duration-s 0.05 --record '{}'", file("run.h5"));
+      fmt::format("run paper --motion still --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("run.h5"));
   ASSERT_EQ(runHaptolith(run).exit_status, 0);
   const std::string only_copy = bytesOf(file("run.h5"));
   const ProgramResult refused = runHaptolith(run);
@@ -183,14 +183,14 @@ TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
 
 TEST_F(ReplayCommand, WhereNothingCanBeWrittenNothingRuns) {
   const ProgramResult missing = runHaptolith(
-      fmt::format("run paper --unpaced --no-serve --duration-s 0.05 --record '{}'", file("no/such/folder/run.h5")));
+      fmt::format("run paper --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("no/such/folder/run.h5")));
   EXPECT_EQ(missing.exit_status, 1);
   EXPECT_THAT(missing.errors, AllOf(HasSubstr(file("no/such/folder/run.h5")), HasSubstr("No such file or directory")));
   EXPECT_THAT(missing.output, IsEmpty());
   EXPECT_THAT(files(), IsEmpty());
 
   const ProgramResult folder = runHaptolith(
-      fmt::format("run paper --unpaced --no-serve --duration-s 0.05 --overwrite --record '{}'", folder_.string()));
+      fmt::format("run paper --no-realtime --no-serve --duration-s 0.05 --overwrite --record '{}'", folder_.string()));
   EXPECT_EQ(folder.exit_status, 1);
   EXPECT_THAT(folder.errors, HasSubstr("not a regular file"));
 }
@@ -229,7 +229,7 @@ TEST_F(ReplayCommand, NonsenseIsRefused) {
 }
 
 TEST_F(ReplayCommand, ATruncatedRecordingIsRefused) {
-  (void)recorded("paper --motion press --unpaced --duration-s 0.5");
+  (void)recorded("paper --motion press --no-realtime --duration-s 0.5");
   const std::string whole = bytesOf(file("run.h5"));
   for (const std::size_t kept : {whole.size() / 10, whole.size() / 2, whole.size() - 100}) {
     std::ofstream(file("run.h5"), std::ios::binary) << whole.substr(0, kept);
@@ -254,7 +254,7 @@ TEST_F(ReplayCommand, AKilledRunLeavesWhatCanBeExportedAndReplayed) {
 }
 
 TEST_F(ReplayCommand, TicksThatAreMissingFailToVerify) {
-  (void)recorded("paper --motion press --unpaced --duration-s 0.5");
+  (void)recorded("paper --motion press --no-realtime --duration-s 0.5");
   const ProgramResult cut =
       runInShell(fmt::format(R"(/usr/bin/python3 -c "import h5py; file = h5py.File('{}', 'r+'); )"
                              R"(ticks = file['ticks']; rows = ticks[:]; ticks.resize(400, 0); )"

@@ -30,7 +30,7 @@ TEST(Ros2Command, RefusesNamesAndDomainsThatRos2DoesNotTake) {
   }
   for (const char* wrong :
        {"ros2 --node-name 2nd", "ros2 --ros-namespace site", "ros2 --domain 233", "ros2 --target-timeout-s 0",
-        "ros2 --unpaced --duration-s 1", "teleop ros2 --robot 'a b' --listen 127.0.0.1:0", "teleop ros2 --site 1,2",
+        "ros2 --no-realtime --duration-s 1", "teleop ros2 --robot 'a b' --listen 127.0.0.1:0", "teleop ros2 --site 1,2",
         "teleop ros2 --listen 0.0.0.0:0"}) {
     EXPECT_EQ(runHaptolith(std::string(wrong) + " --localhost").exit_status, 2) << wrong;
   }

@@ -155,7 +155,7 @@ print(json.dumps({'reports': len(reports),
   EXPECT_LT(sides["furthest_m"].get<double>(), 3e-3) << "of the robot's tool from the operator's at the same tick";
   EXPECT_GT(sides["earliest_s"].get<double>(), -1e-9) << "none is heard before its command";
   const std::string paper = (folder / "paper.h5").string();
-  ASSERT_EQ(runHaptolith("run paper --no-serve --unpaced --duration-s 0.05 --record " + paper).exit_status, 0);
+  ASSERT_EQ(runHaptolith("run paper --no-serve --no-realtime --duration-s 0.05 --record " + paper).exit_status, 0);
   const ProgramResult none = runHaptolith("export " + paper + " --format robot-csv");
   EXPECT_EQ(none.exit_status, 1);
   EXPECT_THAT(none.errors, HasSubstr("no reports of a robot"));

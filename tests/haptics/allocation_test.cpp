@@ -32,7 +32,7 @@ long allocationsIn(int ticks, const BedParameters& bed, HandMotion motion, HandC
   hand_parameters.surface_m = scene.bed().surfaceHeight();
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   HapticLoop loop(scene, hand, loop_parameters, true);
   const std::uint64_t list_rebuilds = scene.bed().listRebuilds();
   const long before = allocations;
@@ -106,7 +106,7 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
   hand_parameters.surface_m = scene.bed().surfaceHeight();
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   HapticLoop loop(scene, hand, loop_parameters, false);
   const LoopRequest requests[] = {request::Speed{0.5},
                                   request::Gravity{Vec3(0, 0, -3)},
@@ -143,7 +143,7 @@ TEST(Allocation, ALoopWithoutItsRecorderAllocatesNothingEither) {
   hand_parameters.motion = HandMotion::kStill;
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   HapticLoop loop(scene, hand, loop_parameters, true);
   const long before = allocations;
   for (int i = 0; i < 10'000; ++i) {  // 8192 records have room

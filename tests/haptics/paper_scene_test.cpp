@@ -32,7 +32,7 @@ Outcome minuteOf(HandMotion motion, HandCompliance compliance) {
   hand_parameters.active_s = 55;  // eleven rounds, then 5 s in which everything has to settle
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   loop_parameters.duration_s = 60;
   HapticLoop loop(scene, hand, loop_parameters, false);
   const std::atomic<bool> stop{false};

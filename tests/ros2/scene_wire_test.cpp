@@ -322,7 +322,7 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
   const TargetParameters space{.low_m = {-0.1, -0.1, 0}, .high_m = {0.1, 0.1, 0.5}};
   TargetDevice device(publisher_->inbox(), space, HandParameters(), bed.tick_s);
   LoopParameters parameters;
-  parameters.paced = false;
+  parameters.real_time = false;
   HandlingParameters handling;
   handling.safety.soft_start_s = 0.5;
   handling.safety.recovery_s = 0.3;

@@ -238,7 +238,7 @@ class GoldenScene : public testing::TestWithParam<Golden> {
 TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
   const Golden& golden = GetParam();
   SceneFile scene_file = loadSceneFileText(golden.toml, golden.name);
-  scene_file.loop.paced = false;
+  scene_file.loop.real_time = false;
   scene_file.loop.duration_s = golden.duration_s;
   int compared = 0;
   for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {

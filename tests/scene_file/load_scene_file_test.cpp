@@ -151,7 +151,7 @@ TEST_F(LoadSceneFile, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(paper.hand.max_force_n, preset.hand.max_force_n);
   EXPECT_DOUBLE_EQ(paper.hand.max_torque_nm, preset.hand.max_torque_nm);
   EXPECT_DOUBLE_EQ(paper.loop.duration_s, preset.loop.duration_s);
-  EXPECT_EQ(paper.loop.paced, preset.loop.paced);
+  EXPECT_EQ(paper.loop.real_time, preset.loop.real_time);
   EXPECT_DOUBLE_EQ(paper.loop.filter_cutoff_hz, preset.loop.filter_cutoff_hz);
 }
 
@@ -168,7 +168,7 @@ TEST_F(LoadSceneFile, MillimetresBecomeMetresAndWordsBecomeMeanings) {
     compliance = "rigid"
     home_mm = [-1, 2, 300]
     [loop]
-    paced = false
+    real_time = false
   )");
   EXPECT_EQ(scene.bed.start, BedStart::kRain);
   EXPECT_DOUBLE_EQ(scene.bed.width_m, 0.25);
@@ -177,7 +177,7 @@ TEST_F(LoadSceneFile, MillimetresBecomeMetresAndWordsBecomeMeanings) {
   EXPECT_TRUE(scene.tool.size_m.isApprox(Vec3(0.01, 0.0205, 0.03)));
   EXPECT_EQ(scene.hand.compliance, HandCompliance::kRigid);
   EXPECT_TRUE(scene.hand.home_m.isApprox(Vec3(-0.001, 0.002, 0.3)));
-  EXPECT_FALSE(scene.loop.paced);
+  EXPECT_FALSE(scene.loop.real_time);
 }
 
 TEST_F(LoadSceneFile, APresetAtAnotherRadiusIsRescaled) {
@@ -275,7 +275,7 @@ TEST_F(LoadSceneFile, WrongTypesAreRefused) {
             "x.toml:2: [soil] mu_hat = true is not valid: must be a number, 0 to 10");
   EXPECT_EQ(errorOf("[bed]\nlayers = 3.0\n"),
             "x.toml:2: [bed] layers = 3.0 is not valid: must be a whole number, 1 to 1000");
-  EXPECT_EQ(errorOf("[loop]\npaced = 1\n"), "x.toml:2: [loop] paced = 1 is not valid: must be true or false");
+  EXPECT_EQ(errorOf("[loop]\nreal_time = 1\n"), "x.toml:2: [loop] real_time = 1 is not valid: must be true or false");
   EXPECT_EQ(errorOf("title = 3\n"), "x.toml:1: title = 3 is not valid: must be a line of text");
   EXPECT_EQ(errorOf("title = ''\n"), "x.toml:1: title = '' is not valid: must be text that is not empty");
   EXPECT_EQ(errorOf("soil = 'P3'\n"), "x.toml:1: soil = 'P3' is not valid: must be a table, [soil]");

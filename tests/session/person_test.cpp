@@ -67,7 +67,7 @@ class PersonsSession : public testing::Test {
  protected:
   PersonsSession() {
     SceneFile scene_file;
-    scene_file.loop.paced = false;
+    scene_file.loop.real_time = false;
     scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
     scene_file.handling.safety.soft_start_s = 0.5;
     session_ = std::make_unique<Session>(scene_file, true, SettleProgress{}, std::make_unique<PersonsDevice>(handle_));

@@ -22,7 +22,7 @@ class SessionTest : public testing::Test {
   static SceneFile quiet() {
     SceneFile scene_file;
     scene_file.hand.motion = HandMotion::kStill;
-    scene_file.loop.paced = false;
+    scene_file.loop.real_time = false;
     return scene_file;
   }
 
@@ -220,7 +220,7 @@ TEST_F(SessionTest, ResetTakesBackEverythingAndLevelOnlyWhatWasDug) {
 TEST_F(SessionTest, BecomesCoarserAndStaysSo) {
   SceneFile fine = findSceneFile("auto");
   fine.hand.motion = HandMotion::kStill;
-  fine.loop.paced = false;
+  fine.loop.real_time = false;
   start(fine);
   session_->coarsen();
   session_->coarsen();  // while the first is being made
@@ -293,7 +293,7 @@ TEST_F(SessionTest, LevelSoilLiesAsItDidAtFirstHoweverItWasMade) {
   SceneFile settled = findSceneFile("soil-surface");  // repeated from a tile, its sides held
   settled.bed.width_m = settled.bed.length_m = 0.08;
   settled.bed.depth_m = 0.02;
-  settled.loop.paced = false;
+  settled.loop.real_time = false;
   settled.hand.motion = HandMotion::kStill;
   start(settled);
   const std::vector<Float4> first = session_->snapshot().position;
@@ -341,7 +341,7 @@ TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
 TEST_F(SessionTest, ShowsStonesWhereEachStimulusHasThem) {
   SceneFile scene = findSceneFile("buried-stone");
   scene.bed.start = BedStart::kPacked;  // soon at rest
-  scene.loop.paced = false;
+  scene.loop.real_time = false;
   scene.hand.motion = HandMotion::kStill;
   start(scene);
   const auto stone_m = [&] { return session_->scene().bed().stones().poses().front().position_m.z(); };

@@ -13,7 +13,7 @@ static unsafe class LibraryTests
   /// <summary>What state_hash.c prints.</summary>
   public static string StateHash()
   {
-    using (Scene scene = Scene.FromFile("paper", new[] { "loop.paced=false", "loop.duration_s=1" }))
+    using (Scene scene = Scene.FromFile("paper", new[] { "loop.real_time=false", "loop.duration_s=1" }))
     {
       using (Loop loop = new Loop(scene))
       {

@@ -78,7 +78,7 @@ class LiveViewTest : public testing::Test {
                         std::unique_ptr<HapticDevice> device = nullptr) {
     SceneFile scene_file;
     scene_file.hand.motion = HandMotion::kStill;
-    scene_file.loop.paced = false;
+    scene_file.loop.real_time = false;
     session_ = std::make_unique<Session>(scene_file, false, SettleProgress{}, std::move(device));
     view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0, .takes_uploads = true}, "test",
                                        LiveView::Recorder{.start =

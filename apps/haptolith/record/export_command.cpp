@@ -46,7 +46,7 @@ constexpr const char* kExportExamples = R"(Examples:
   haptolith export field --format lammps           field-lammps/: the bed of a scene, without a tool
 
 Particles have id, radius, velocity and contact force. A recording does not contain velocities:
-the run is replayed to compute them, which takes as long as the unpaced run.)";
+the run is replayed to compute them, which takes as long as a run with --no-realtime.)";
 
 constexpr std::uint64_t kBlock = 4096;  // number of rows read at a time
 

@@ -51,8 +51,8 @@ class Ros2Companion final : public RunCompanion {
     target_.fresh_s = options.timeout_s;
     target_.low_m = {-bed.width_m / 2 - kBeside_m, -bed.length_m / 2 - kBeside_m, 0};
     target_.high_m = {bed.width_m / 2 + kBeside_m, bed.length_m / 2 + kBeside_m, bed.depth_m + kAboveSoil_m};
-    if (takes_target && !scene_file.loop.paced) {
-      throw InvalidParameter("paced", "false", "true (without --unpaced) while targets of ROS 2 move the tool");
+    if (takes_target && !scene_file.loop.real_time) {
+      throw InvalidParameter("real_time", "false", "true (without --no-realtime) while targets of ROS 2 move the tool");
     }
     node_.emplace(options.ros2.node);
     ScenePublisherParameters parameters;

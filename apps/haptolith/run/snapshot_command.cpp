@@ -71,7 +71,7 @@ struct SnapshotOptions {
   double duration_s = 8, frames_per_s = 30;
 };
 
-/// Returns the scene, unpaced and without an end: time advances only as required by a snapshot.
+/// Returns the scene, not in real time and without an end: time advances only as required by a snapshot.
 SceneFile sceneFileFor(const SnapshotOptions& options) {
   SceneFile scene_file = sceneFileFor(options.scene);
   if (options.scene.motion || options.scene.poses_file) {
@@ -82,7 +82,7 @@ SceneFile sceneFileFor(const SnapshotOptions& options) {
         "device", fmt::format("'{}'", wordFor(kDeviceWords, scene_file.device.kind)),
         "virtual-hand, the only device of a snapshot: add --device virtual-hand, or choose a motion with --motion");
   }
-  scene_file.loop.paced = false;
+  scene_file.loop.real_time = false;
   scene_file.loop.duration_s = 0;
   validate(scene_file);
   return scene_file;

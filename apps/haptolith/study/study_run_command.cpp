@@ -80,7 +80,7 @@ SceneFile sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol
   options.device.applyTo(scene.device);
   scene.hand.motion = HandMotion::kStill;  // without a device the participant moves it
   scene.loop.duration_s = 0;
-  scene.loop.paced = true;
+  scene.loop.real_time = true;
   validate(scene);
   return scene;
 }

@@ -365,7 +365,7 @@ Keys keysOfLoop() {
   return {
       loop.number("duration_s", &LoopParameters::duration_s, LoopRanges::duration_s,
                   "Simulated time; 0 runs until stopped."),
-      loop.onOrOff("paced", &LoopParameters::paced, "Run in real time, or as fast as possible."),
+      loop.onOrOff("real_time", &LoopParameters::real_time, "Run in real time, or as fast as possible."),
       loop.number("filter_cutoff_hz", &LoopParameters::filter_cutoff_hz, LoopRanges::filter_cutoff_hz,
                   "Cutoff of the low-pass filter of force and torque (paper, II-E)."),
       loop.count("cpu", &LoopParameters::cpu, LoopRanges::cpu, "The only CPU of the loop's thread; -1: any."),

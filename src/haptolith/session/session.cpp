@@ -26,11 +26,11 @@ constexpr std::size_t kMaxCachedBeds = 64;
 
 /// Before anything is made or moves.
 SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
-  if (device == nullptr && scene_file.device.kind != DeviceKind::kVirtualHand && !scene_file.loop.paced) {
+  if (device == nullptr && scene_file.device.kind != DeviceKind::kVirtualHand && !scene_file.loop.real_time) {
     throw InvalidParameter(
-        "paced", "false",
+        "real_time", "false",
         fmt::format(
-            "true (without --unpaced) with the haptic device '{}': forces on a hand must be rendered in real time",
+            "true (without --no-realtime) with the haptic device '{}': forces on a hand must be rendered in real time",
             wordFor(kDeviceWords, scene_file.device.kind)));
   }
   return scene_file;

@@ -253,22 +253,22 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
 }
 
 Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExploringHand& exploring, int rounds) {
-  SceneFile unpaced = scene_file;
-  unpaced.device.kind = DeviceKind::kVirtualHand;
-  unpaced.loop.paced = false;
-  unpaced.hand = exploring.hand;
-  unpaced.hand.surface_m = scene_file.hand.surface_m.value_or(bed.surface_m);
+  SceneFile explored = scene_file;
+  explored.device.kind = DeviceKind::kVirtualHand;
+  explored.loop.real_time = false;
+  explored.hand = exploring.hand;
+  explored.hand.surface_m = scene_file.hand.surface_m.value_or(bed.surface_m);
   const LyingSoil before = turned(bed.lying, exploring);
-  Scene scene(unpaced.bed, unpaced.tool, before);
-  VirtualHand hand(unpaced.hand, unpaced.bed.tick_s);
-  HapticLoop loop(scene, hand, unpaced.loop, true, handlingOf(unpaced, *unpaced.hand.surface_m));
+  Scene scene(explored.bed, explored.tool, before);
+  VirtualHand hand(explored.hand, explored.bed.tick_s);
+  HapticLoop loop(scene, hand, explored.loop, true, handlingOf(explored, *explored.hand.surface_m));
 
   TickSummary summed;
   Mean carried_n, carried_kg;
   TouchHeight touch_height;
   double lowest_m = std::numeric_limits<double>::infinity();
   std::vector<TickRecord> records;
-  const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
+  const auto ticks = std::llround(rounds * explored.hand.period_s / explored.loop.tick_s);
   for (long long tick = 0; tick < ticks; ++tick) {
     throwIfStopped();
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
@@ -279,7 +279,7 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
     summed.add(records.back());
     lowest_m = std::min(lowest_m, scene.toolPose().position_m.z());
     touch_height.add(scene.toolPose().position_m.z(), records.back().sent.wrench.force_n.norm());
-    if (carries(scene.toolPose(), unpaced.hand)) {
+    if (carries(scene.toolPose(), explored.hand)) {
       carried_n.add(-records.back().sent.wrench.force_n.z());
       if (tick % kTicksPerLook == 0) {
         carried_kg.add(massAbove(scene));
@@ -290,9 +290,9 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
   done.drag_n = done.summary.work_j / done.summary.path_m;
   done.carried_n = carried_n.value();
   done.carried_kg = carried_kg.value();
-  done.seen = pictureOf(centresOf(before.grains), centresOf(scene.bed().lying().grains), unpaced.bed);
+  done.seen = pictureOf(centresOf(before.grains), centresOf(scene.bed().lying().grains), explored.bed);
   done.seen.reached_m = bed.surface_m - lowest_m;
-  done.seen.load_m = std::cbrt(done.carried_kg / unpaced.bed.soil.rho0_kg_m3);
+  done.seen.load_m = std::cbrt(done.carried_kg / explored.bed.soil.rho0_kg_m3);
   done.touched_up_to_m = touch_height.mean();
   return done;
 }
