@@ -289,7 +289,7 @@ void runBench(const BenchOptions& options) {
       options.scenes.empty()
           ? fmt::format("{}, motion {}", options.soil.soil, wordFor(kHandMotionWords, options.motion))
           : fmt::format("{}", fmt::join(options.scenes, ", ")),
-      simdTarget(), options.seconds, late_us.percentile(0.5), late_us.percentile(0.99));
+      instructionSetName(simdTarget()), options.seconds, late_us.percentile(0.5), late_us.percentile(0.99));
   for (const BenchRow& row : rows) {
     table += rowText(row);
   }
