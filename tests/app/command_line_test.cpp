@@ -277,7 +277,7 @@ TEST(Run, BuiltInScenesHaveNamesEverywhere) {
   EXPECT_THAT(result.output, StartsWith("Loose soil from rain"));
   const std::string scenes = runHaptolith("scenes").output;
   EXPECT_THAT(scenes, HasSubstr("sandbox        A sandbox of 1 m x 1 m"));
-  EXPECT_THAT(scenes, HasSubstr("Soil at the robot's site, for the operator's model in dig.toml"));
+  EXPECT_THAT(scenes, HasSubstr("Soil at the robot's site, for the operator's model in teleop-model.toml"));
   EXPECT_THAT(runHaptolith("run sandbx").errors, HasSubstr("did you mean sandbox?"));
 }
 
@@ -286,6 +286,20 @@ TEST(Run, AnOldPathOfAShippedSceneStillRuns) {
       runHaptolith(fmt::format("run '{}/scenarios/rain.toml' --no-realtime --duration-s 0.05", sourceDir().string()));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr("scenes/rain.toml"));
+}
+
+TEST(Run, ScenesOptionsAndKeysOfAnEarlierVersionStillWork) {
+  const ProgramResult plate = runHaptolith(
+      fmt::format("run '{}/scenes/plate-in-sand.toml' --no-realtime --duration-s 0.01", sourceDir().string()));
+  EXPECT_EQ(plate.exit_status, 0) << plate.errors;
+  EXPECT_THAT(plate.errors, HasSubstr("scenes/plate-recorded.toml"));
+  const ProgramResult paper = runHaptolith(
+      "run paper --unpaced --hand still --duration-s 0.01 --set safety.calm_s=2 --set hand.manoeuvre=press");
+  EXPECT_EQ(paper.exit_status, 0) << paper.errors;
+  for (const char* told : {"--unpaced is now --no-realtime", "--hand is now --motion",
+                           "safety.calm_s is now safety.recovery_s", "hand.manoeuvre is now hand.motion"}) {
+    EXPECT_THAT(paper.errors, HasSubstr(told));
+  }
 }
 
 TEST(Run, AKeyWithoutEffectIsAWarning) {

@@ -17,7 +17,7 @@ TEST(Ros2Command, WithoutDdsSaysWhatToInstall) {
   if (isBuiltIn()) {
     GTEST_SKIP() << "this program has DDS";
   }
-  for (const char* command : {"ros2", "ros2 dig --domain 3", "teleop ros2"}) {
+  for (const char* command : {"ros2", "ros2 teleop-model --domain 3", "teleop ros2"}) {
     const ProgramResult result = runHaptolith(command);
     EXPECT_EQ(result.exit_status, 1) << command;
     EXPECT_THAT(result.errors, HasSubstr("cyclonedds-dev"));

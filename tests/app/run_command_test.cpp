@@ -268,10 +268,10 @@ TEST_F(RunCommand, FigureIsDrawn) {
   EXPECT_EQ(files(), std::vector<std::string>{"run.svg"});
 }
 
-// The plate's movement is real (scenes/plate-in-sand.csv); the bed's answer must be force that grows with sinkage.
+// The plate's movement is real (scenes/plate-recorded.csv); the bed's answer must be force that grows with sinkage.
 TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
   summaryOf(
-      fmt::format("--no-realtime --trace {} {}/scenes/plate-in-sand.toml", file("plate.csv"), sourceDir().string()));
+      fmt::format("--no-realtime --trace {} {}/scenes/plate-recorded.toml", file("plate.csv"), sourceDir().string()));
   constexpr double kStartHeight_m = 0.117188 + 0.0025;  // the plate's centre at no sinkage
   std::vector<double> sum(4), count(4);                 // in bins of 9 mm of sinkage
   const auto rows = readCsv(file("plate.csv"));

@@ -296,7 +296,7 @@ TEST_F(RunningStudy, ARobotBehindALinkFollowsInEachTrialAndIsMeasured) {
 TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
   // In soil of the Moon: a bed of 256 particles is too thin for a model to detect a completed press.
   const std::string on_the_moon = std::regex_replace(std::string(kPresses), std::regex("site = \"paper\"\n"), "");
-  std::ofstream(file("press.toml")) << "scene = \"dig\"\n"
+  std::ofstream(file("press.toml")) << "scene = \"teleop-model\"\n"
                                     << std::regex_replace(on_the_moon, std::regex("interval_s = 4"), "interval_s = 60");
   makeStudy(file("press.toml"));
   const ProgramResult run = runHaptolith(fmt::format("study simulate {} --participants 2", file("a.study")));

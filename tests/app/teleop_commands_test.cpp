@@ -112,10 +112,10 @@ TEST(TeleopCommands, TheOperatorsSoilLearnsAndIsReplayedToTheLastBit) {
       std::filesystem::path(testing::TempDir()) / ("haptolith-learns-" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
   std::ofstream(folder / "learn.py") << R"(import subprocess, sys
-robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'dig-site', '--set', 'soil.radius_mm=8', '--set', 'soil.stiffness_n_m=3000',
+robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'teleop-site', '--set', 'soil.radius_mm=8', '--set', 'soil.stiffness_n_m=3000',
                           '--listen', '127.0.0.1:0', '--duration-s', '40'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
-lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'dig', '--set', 'soil.radius_mm=9', '--set', 'hand.period_s=24',
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'teleop-model', '--set', 'soil.radius_mm=9', '--set', 'hand.period_s=24',
                        '--to', '127.0.0.1:' + port, '--duration-s', '12', '--json', '--record', sys.argv[2]],
                       capture_output=True, text=True)
 robot.send_signal(2)

@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kRos2Examples = R"(Examples:
   haptolith ros2                              lunar soil; /haptolith/target_pose moves the tool
-  haptolith ros2 dig --motion scoop           the virtual hand digs, ROS 2 subscribes
+  haptolith ros2 teleop-model --motion scoop  the virtual hand digs, ROS 2 subscribes
   haptolith ros2 --device force-dimension     a user digs with a haptic device
   ros2 topic echo /haptolith/wrench --qos-reliability best_effort      in a shell with ROS 2
   haptolith teleop ros2                       connect a ROS 2 robot to `haptolith teleop operator`

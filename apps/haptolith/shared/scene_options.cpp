@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/recording/recording_format.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -85,7 +86,7 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
 
 std::string SceneOptions::scene() const {
   if (!name_or_file.empty()) {
-    return name_or_file;
+    return std::string(currentNameTold(NameKind::kScene, name_or_file));
   }
   return preset ? "paper" : usual;
 }

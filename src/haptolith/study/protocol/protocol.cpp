@@ -177,6 +177,7 @@ StudyBlock readTeleopBlock(const TomlReader& reader, const StudyProtocol& protoc
   reader.require("", "interval_s");
   StudyBlock block = draft.block;
   block.teleop = draft.teleop;
+  block.teleop->site = std::string(currentName(NameKind::kScene, draft.teleop.site));
   if (!(block.interval_s > 0)) {
     reader.refuseKey({"", "interval_s"}, "> 0: with [block.teleop] it is the time limit of a task");
   }
