@@ -137,7 +137,7 @@ export class Controls {
     const speed = field('Speed', this.speed, EXPLAIN.speed);
     const changing = [
       group(
-        'World',
+        'Soil and gravity',
         field('Soil', this.soil, EXPLAIN.soil),
         field('Friction model', this.friction, EXPLAIN.friction),
         this.drag_warning,
