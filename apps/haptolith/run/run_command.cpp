@@ -56,7 +56,7 @@ constexpr const char* kRunExamples = R"(Examples:
   haptolith run deep-bed                            another scene (haptolith scenes)
   haptolith run sandbox --auto-resolution           another scene, in the finest particles
   haptolith run --poses movement.csv                recorded motion of the hand
-  haptolith run --no-realtime --duration-s 9 --json  as fast as possible, for experiments
+  haptolith run --no-realtime --duration-s 60       as fast as possible, for experiments
   haptolith run --motion still --port 9000          dig at http://127.0.0.1:9000/
   haptolith run --device force-dimension            use a haptic device (haptolith devices)
   haptolith run --duration-s 60 --record run.h5     record for haptolith replay and export)";
