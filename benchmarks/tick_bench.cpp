@@ -31,10 +31,10 @@ BedParameters bedOf(std::int64_t particles) {
 }
 
 /// Times the complete tick of the loop (read, move, step, sum, filter, limit, send, publish), one thread.
-void Icra2021Scene(benchmark::State& state, Manoeuvre manoeuvre) {
+void Icra2021Scene(benchmark::State& state, HandMotion motion) {
   Scene scene(bedOf(256), ToolParameters{});
   HandParameters hand;
-  hand.manoeuvre = manoeuvre;
+  hand.motion = motion;
   hand.surface_m = scene.bed().surfaceHeight();
   VirtualHand device(hand, 1e-3);
   HapticLoop loop(scene, device, LoopParameters{}, false);
@@ -53,8 +53,8 @@ void Icra2021Scene(benchmark::State& state, Manoeuvre manoeuvre) {
       static_cast<double>(scene.bed().listRebuilds()) / static_cast<double>(loop.statistics().ticks());
 }
 // 20 s of simulated time each, for percentiles that do not depend on the machine's speed.
-BENCHMARK_CAPTURE(Icra2021Scene, stir, Manoeuvre::kStir)->Iterations(20000)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(Icra2021Scene, scoop, Manoeuvre::kScoop)->Iterations(20000)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Icra2021Scene, stir, HandMotion::kStir)->Iterations(20000)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(Icra2021Scene, scoop, HandMotion::kScoop)->Iterations(20000)->Unit(benchmark::kMicrosecond);
 
 /// Times one step of a bed at rest: contacts, friction, positions.
 void BedStep(benchmark::State& state) {

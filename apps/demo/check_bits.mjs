@@ -12,10 +12,10 @@ import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const SCENES = {
-  Icra2021Scoop: ['[hand]\nmanoeuvre = "scoop"', 8000],
-  Icra2021Stir: ['[hand]\nmanoeuvre = "stir"', 8000],
-  LunarStir: ['[soil]\nname = "lunar-0-15cm"\n[hand]\nmanoeuvre = "stir"', 4000],
-  Rain: ['[bed]\nstart = "rain"\nparticles = 300\nseed = 7\n[hand]\nmanoeuvre = "stir"', 8000],
+  Icra2021Scoop: ['[hand]\nmotion = "scoop"', 8000],
+  Icra2021Stir: ['[hand]\nmotion = "stir"', 8000],
+  LunarStir: ['[soil]\nname = "lunar-0-15cm"\n[hand]\nmotion = "stir"', 4000],
+  Rain: ['[bed]\nstart = "rain"\nparticles = 300\nseed = 7\n[hand]\nmotion = "stir"', 8000],
 };
 
 const folder = resolve(process.argv[2]);

@@ -58,7 +58,7 @@ class Demo {
  public:
   Demo(SceneFile base, SceneFile scene_file)
       : base_(std::move(base)),
-        session_(unpaced(std::move(scene_file)), false,
+        session_(asFastAsPossible(std::move(scene_file)), false,
                  [](double settled_s, double) {
                    tellSettling(settled_s);
                    return true;
@@ -84,8 +84,8 @@ class Demo {
   }
 
  private:
-  static SceneFile unpaced(SceneFile scene_file) {
-    scene_file.loop.paced = false;  // the worker paces it
+  static SceneFile asFastAsPossible(SceneFile scene_file) {
+    scene_file.loop.real_time = false;  // the worker paces it
     scene_file.bed.threads = 1;
     return scene_file;
   }
@@ -126,7 +126,7 @@ std::string told;
 
 /// Returns the hash of the program's golden test: each force on the hand, and the final soil.
 std::string outcomeOf(SceneFile scene_file, int ticks) {
-  scene_file.loop.paced = false;
+  scene_file.loop.real_time = false;
   Scene scene(scene_file.bed, scene_file.tool);
   const double surface_m = scene.bed().surfaceHeight();
   scene_file.hand.surface_m = surface_m;
@@ -204,7 +204,7 @@ SceneFile fitted(SceneFile scene_file) {
   static const double radius_m = [&] {
     constexpr std::array kOneThread{1};
     const std::atomic<bool> never{false};
-    return finestGrain(scene_file.bed, scene_file.tool, {.paced = false}, kOneThread, never).chosen.radius_m;
+    return finestGrain(scene_file.bed, scene_file.tool, {.real_time = false}, kOneThread, never).chosen.radius_m;
   }();
   scene_file.bed.soil = rescaled(scene_file.bed.soil, radius_m);
   return scene_file;
@@ -263,7 +263,7 @@ std::string Demo::changes() const {
   now.loop = base_.loop;  // the loop belongs to the worker
   now.bed.threads = base_.bed.threads;
   now.hand.surface_m = base_.hand.surface_m;
-  now.hand.manoeuvre = session_.manoeuvre();
+  now.hand.motion = session_.motion();
   return overridesOf(base_, now);
 }
 

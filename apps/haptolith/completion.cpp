@@ -170,7 +170,7 @@ Words wordsOf(const Command& command) {
   return words;
 }
 
-/// Calls visit("'haptolith run --hand'|...", choices) for every option that takes a value.
+/// Calls visit("'haptolith run --motion'|...", choices) for every option that takes a value.
 void forEachValue(const Command& root, const std::function<void(const std::string&, const Words&)>& visit) {
   forEach(root, [&](const Command& command) {
     for (const Argument& argument : command.arguments) {

@@ -379,7 +379,7 @@ int run(int argc, char** argv) {
   Options& stalls = command("stalls");
   stalls.settings.task = Task::kStalls;
   stalls.settings.script.draw_s = 0;
-  stalls.settings.extra_toml = "[safety]; calm_s = 0.2; soft_start_s = 1";
+  stalls.settings.extra_toml = "[safety]; recovery_s = 0.2; soft_start_s = 1";
 
   addOptions(*app.add_subcommand("run", "one run, or several: lists are taken together in all ways"), one);
   addOptions(*app.add_subcommand("matrix", "3 soils, 5 grips, 5 delays, 3 steps, 2 noises: 450 runs"), matrix);

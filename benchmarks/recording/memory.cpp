@@ -1,6 +1,6 @@
 // Checks that the memory of a recording does not grow. Writes hours of a run as fast as the disk allows, in the batches
-// of a paced run, and prints the memory of the process. Exit status 1 if it grows by more than 0.5 MiB after the first
-// two minutes.
+// of a run in real time, and prints the memory of the process. Exit status 1 if it grows by more than 0.5 MiB after the
+// first two minutes.
 //
 //     build/release/benchmarks/haptolith_recording_memory FILE.h5 [HOURS [PARTICLES]]
 

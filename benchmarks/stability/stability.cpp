@@ -170,14 +170,14 @@ StabilityResult measureStability(const BedParameters& bed, const LyingSoil& lyin
                                  const ToolParameters& tool) {
   Scene scene(bed, tool, lying);
   HeldDevice device(parameters, scene.bed().surfaceHeight());
-  LoopParameters unpaced;
-  unpaced.paced = false;
+  LoopParameters loop_parameters;
+  loop_parameters.real_time = false;
   HandlingParameters handling;
   handling.coupling.kind = parameters.coupling;
   handling.coupling.spring = parameters.spring;
   handling.safety.passivity = parameters.passivity;
   handling.safety.soft_start_s = 0;  // would only hide the effect
-  HapticLoop loop(scene, device, unpaced, true, handling);
+  HapticLoop loop(scene, device, loop_parameters, true, handling);
   std::vector<TickRecord> records;
   std::size_t damped = 0;
   std::vector<Vec3> last_n;

@@ -155,15 +155,15 @@ Seen pressed(const Place& place, double stress_pa) {
   return seen;
 }
 
-Seen inTheHand(const Place& place, Manoeuvre manoeuvre) {
+Seen inTheHand(const Place& place, HandMotion motion) {
   const BedParameters bed = bedOf(place, 400);
   Scene scene(bed, ToolParameters{});
   HandParameters hand;
-  hand.manoeuvre = manoeuvre;
+  hand.motion = motion;
   hand.surface_m = scene.bed().surfaceHeight();
   VirtualHand device(hand, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   loop_parameters.tick_s = bed.tick_s;
   HapticLoop loop(scene, device, loop_parameters, false);
   Seen seen;
@@ -247,8 +247,8 @@ int run(int argc, char** argv) {
       {"plate, 10 kPa", [](const Place& p) { return pressed(p, 1e4); }},
       {"plate, 30 kPa", [](const Place& p) { return pressed(p, 3e4); }},
       {"plate, 60 kPa", [](const Place& p) { return pressed(p, 6e4); }},
-      {"stirred", [](const Place& p) { return inTheHand(p, Manoeuvre::kStir); }},
-      {"scooped", [](const Place& p) { return inTheHand(p, Manoeuvre::kScoop); }},
+      {"stirred", [](const Place& p) { return inTheHand(p, HandMotion::kStir); }},
+      {"scooped", [](const Place& p) { return inTheHand(p, HandMotion::kScoop); }},
       {"shovel flat, 12 N",
        [](const Place& p) {
          return pressedWith(p, {.over_m = {0, 0, 0.005}});

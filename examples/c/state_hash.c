@@ -1,4 +1,4 @@
-/* Runs a scene's hand for 1 s, as `haptolith run SCENE --unpaced --duration-s 1 --json` does, and prints the hash of the soil
+/* Runs a scene's hand for 1 s, as `haptolith run SCENE --no-realtime --duration-s 1 --json` does, and prints the hash of the soil
 * afterwards, which is equal to the program's. */
 #define _POSIX_C_SOURCE 199309L
 #include <haptolith/haptolith.h>
@@ -15,7 +15,7 @@ static void require(int32_t status, const char *what) {
 }
 
 int main(int argc, char **argv) {
-  const char *overrides[] = {"loop.paced=false", "loop.duration_s=1"};
+  const char *overrides[] = {"loop.real_time=false", "loop.duration_s=1"};
   const struct timespec moment = {0, 1000000};
   hapto_scene *scene = NULL;
   hapto_loop *loop = NULL;

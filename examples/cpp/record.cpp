@@ -33,7 +33,7 @@ int main(int argc, char **argv) try {
     for (int tick = 0; tick < 2000; ++tick) {
       loop.tick();
       if (tick % 100 == 99) {
-        recorder.take();  // a host with a paced loop calls this from another thread
+        recorder.take();  // a host with a loop in real time calls this from another thread
       }
     }
     recorder.finish();

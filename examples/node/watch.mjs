@@ -1,7 +1,7 @@
 // Connects to a running haptolith, as the page does, and prints the number of frames, the number of particles, and the
 // maximum force. Exit status 1: no connection, or a damaged message.
 //
-//     haptolith run icra2021 --hand scoop --port 8080          in one terminal
+//     haptolith run icra2021 --motion scoop --port 8080        in one terminal
 //     node watch.mjs --address ws://127.0.0.1:8080/ws       in another, where haptolith-protocol is installed (docs/reference/web-protocol.md)
 //
 // Options: --address, --seconds 5, and --token TEXT if the program requires one.

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the device wrench, and the height of the soil at the end: recording_to_figure.py RUN.h5 FIGURE.png
 
-Make a recording with: haptolith run icra2021 --hand scoop --unpaced --duration-s 8 --record run.h5"""
+Make a recording with: haptolith run icra2021 --motion scoop --no-realtime --duration-s 8 --record run.h5"""
 
 import sys
 from pathlib import Path

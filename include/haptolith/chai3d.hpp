@@ -358,7 +358,7 @@ class cHaptolithTool : public chai3d::cGenericTool {
     last_call_ = now;
     advance(elapsed_s);
   }
-  /// As above for callers with their own clock: simulated time, or a paced loop.
+  /// As above for callers with their own clock: simulated time, or a loop in real time.
   void advance(double elapsed_s) {
     if (!prepared_) {
       prepare();

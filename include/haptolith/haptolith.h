@@ -376,8 +376,8 @@ enum {
   HAPTO_LOOP_HASHES = 4            /* ticks hold hashes of the soil, of a part of it each */
 };
 /* Runs it on a separate thread, in step with the clock, with real-time priority and the process's memory locked where the
- * system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog sets the
- * force on a person's hand to zero when 4 ms pass without a tick (safety.heartbeat_ms). */
+ * system grants that; as fast as it can when the scene says loop.real_time=false, which needs a simulated hand. A watchdog sets the
+ * force on a person's hand to zero when 4 ms pass without a tick (safety.watchdog_timeout_ms). */
 HAPTO_API int32_t hapto_loop_start(hapto_loop *loop);
 /* One tick. late: whether the one before ended late (1). There is no watchdog: the caller has to set the
  * device's force to zero when it cannot tick. HAPTO_ENDED when it was the last. [1 kHz] */

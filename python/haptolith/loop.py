@@ -166,7 +166,7 @@ class Loop(Owned):
         self._handle = out.value
 
     def start(self) -> None:
-        """Runs it on a separate thread, in step with the clock unless the scene sets loop.paced = false."""
+        """Runs it on a separate thread, in step with the clock unless the scene sets loop.real_time = false."""
         require(_lib.hapto_loop_start(self.address))
 
     def tick(self, late: bool = False) -> bool:

@@ -224,9 +224,10 @@ TEST(Usage, WrongValuesOfOptionsAreToldWithWhatIsValid) {
     EXPECT_EQ(result.exit_status, 2) << arguments;
     return result.errors;
   };
-  EXPECT_THAT(errorOf("run --hand dig"), StartsWith("haptolith: error: --hand: 'dig' is not valid: must be carry, cut, "
-                                                    "furrows, press, scoop, shake, still or stir"));
-  EXPECT_THAT(errorOf("run --hand shak"), HasSubstr("; did you mean shake?\n"));
+  EXPECT_THAT(errorOf("run --motion dig"),
+              StartsWith("haptolith: error: --motion: 'dig' is not valid: must be carry, cut, "
+                         "furrows, press, scoop, shake, still or stir"));
+  EXPECT_THAT(errorOf("run --motion shak"), HasSubstr("; did you mean shake?\n"));
   EXPECT_THAT(errorOf("run --port 99999"),
               StartsWith("haptolith: error: --port: 99999 is not valid: must be a whole number, 0 to 65535\n"));
   EXPECT_THAT(errorOf("run --duration-s -1"),
@@ -266,33 +267,47 @@ bool takesMinutesToSettle([[maybe_unused]] const std::filesystem::path& scene) {
 TEST(Run, EveryShippedSceneRuns) {
   for (const auto& entry : std::filesystem::directory_iterator(sourceDir() / "scenes")) {
     if (entry.path().extension() == ".toml" && !takesMinutesToSettle(entry.path())) {
-      const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --unpaced --duration-s 0.05");
+      const ProgramResult result = runHaptolith("run '" + entry.path().string() + "' --no-realtime --duration-s 0.05");
       EXPECT_EQ(result.exit_status, 0) << entry.path() << ": " << result.errors;
     }
   }
 }
 
 TEST(Run, BuiltInScenesHaveNamesEverywhere) {
-  const ProgramResult result = runInShell("cd / && \"$HAPTOLITH\" run rain --unpaced --duration-s 0.05");
+  const ProgramResult result = runInShell("cd / && \"$HAPTOLITH\" run rain --no-realtime --duration-s 0.05");
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.output, StartsWith("Loose soil from rain"));
   const std::string scenes = runHaptolith("scenes").output;
   EXPECT_THAT(scenes, HasSubstr("sandbox        A sandbox of 1 m x 1 m"));
-  EXPECT_THAT(scenes, HasSubstr("Soil at the robot's site, for the operator's model in dig.toml"));
+  EXPECT_THAT(scenes, HasSubstr("Soil at the robot's site, for the operator's model in teleop-model.toml"));
   EXPECT_THAT(runHaptolith("run sandbx").errors, HasSubstr("did you mean sandbox?"));
 }
 
 TEST(Run, AnOldPathOfAShippedSceneStillRuns) {
   const ProgramResult result =
-      runHaptolith(fmt::format("run '{}/scenarios/rain.toml' --unpaced --duration-s 0.05", sourceDir().string()));
+      runHaptolith(fmt::format("run '{}/scenarios/rain.toml' --no-realtime --duration-s 0.05", sourceDir().string()));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr("scenes/rain.toml"));
+}
+
+TEST(Run, ScenesOptionsAndKeysOfAnEarlierVersionStillWork) {
+  const ProgramResult plate = runHaptolith(
+      fmt::format("run '{}/scenes/plate-in-sand.toml' --no-realtime --duration-s 0.01", sourceDir().string()));
+  EXPECT_EQ(plate.exit_status, 0) << plate.errors;
+  EXPECT_THAT(plate.errors, HasSubstr("scenes/plate-recorded.toml"));
+  const ProgramResult paper = runHaptolith(
+      "run paper --unpaced --hand still --duration-s 0.01 --set safety.calm_s=2 --set hand.manoeuvre=press");
+  EXPECT_EQ(paper.exit_status, 0) << paper.errors;
+  for (const char* told : {"--unpaced is now --no-realtime", "--hand is now --motion",
+                           "safety.calm_s is now safety.recovery_s", "hand.manoeuvre is now hand.motion"}) {
+    EXPECT_THAT(paper.errors, HasSubstr(told));
+  }
 }
 
 TEST(Run, AKeyWithoutEffectIsAWarning) {
   const std::string path = testing::TempDir() + "haptolith_idle_key.toml";
   std::ofstream(path) << "[soil]\npreset = 'P3'\ncontact_friction = 0.4\n";
-  const std::string run = "run '" + path + "' --unpaced --duration-s 0.01";
+  const std::string run = "run '" + path + "' --no-realtime --duration-s 0.01";
   EXPECT_THAT(runHaptolith(run).errors,
               HasSubstr("warning: " + path + ":3: [soil] contact_friction has no effect: it needs"));
   EXPECT_THAT(runHaptolith(run + " --friction-model contact").errors, Not(HasSubstr("no effect")));
@@ -300,7 +315,7 @@ TEST(Run, AKeyWithoutEffectIsAWarning) {
 
 TEST(Run, SaysWhatItSaved) {
   const std::string path = testing::TempDir() + "haptolith_told.csv";
-  const std::string run = "run icra2021 --unpaced --overwrite --duration-s 0.05 --trace '" + path + "'";
+  const std::string run = "run icra2021 --no-realtime --overwrite --duration-s 0.05 --trace '" + path + "'";
   const ProgramResult told = runHaptolith(run);
   EXPECT_THAT(told.output, testing::ContainsRegex("saved " + path + ": 50 rows of [0-9]+ columns\n"));
   EXPECT_THAT(told.output, HasSubstr("deadlines  none: not in real time"));
@@ -314,11 +329,11 @@ TEST(Run, RefusesTwoOutputsOfOneName) {
   for (const std::string& two :
        {fmt::format("--record {0}.h5 --trace {0}.h5", name), fmt::format("--trace {0}.svg --figure {0}.svg", name),
         fmt::format("--trace {0}.svg --figure {1}/./haptolith_twice.svg", name, folder)}) {
-    const ProgramResult refused = runHaptolith("run icra2021 --unpaced --duration-s 0.05 --overwrite " + two);
+    const ProgramResult refused = runHaptolith("run icra2021 --no-realtime --duration-s 0.05 --overwrite " + two);
     EXPECT_EQ(refused.exit_status, 2) << two;
     EXPECT_THAT(refused.errors, HasSubstr("name the same file")) << two;
   }
-  EXPECT_THAT(runHaptolith("run icra2021 --unpaced --duration-s 0.05 --trace -").errors,
+  EXPECT_THAT(runHaptolith("run icra2021 --no-realtime --duration-s 0.05 --trace -").errors,
               HasSubstr("must be a file name"));
 }
 
@@ -391,7 +406,7 @@ TEST(Completion, BashOffersCommandsOptionsAndChoices) {
   EXPECT_EQ(bashOffers("--ver"), "--version\n");
   EXPECT_EQ(bashOffers("completion b"), "bash\n");
   EXPECT_EQ(bashOffers("completion --"), "--help\n");
-  EXPECT_EQ(bashOffers("run --hand s"), "scoop shake still stir\n");
+  EXPECT_EQ(bashOffers("run --motion s"), "scoop shake still stir\n");
   EXPECT_EQ(bashOffers("run --body E"), "Europa Earth\n");
   EXPECT_EQ(bashOffers("run --soil lunar"), "lunar-0-15cm lunar-trafficability\n");
   EXPECT_EQ(bashOffers("run --friction-model c"), "contact\n");

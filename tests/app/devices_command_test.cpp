@@ -92,10 +92,10 @@ TEST(RunDevice, WithoutItsSdkTheForceDimensionSaysWhatToDo) {
               AllOf(HasSubstr(kNowhere), HasSubstr("SDK"), HasSubstr("forcedimension.com"), HasSubstr("FORCEDIM_SDK")));
 }
 
-TEST(RunDevice, AHandsManoeuvreAndADeviceExcludeEachOther) {
-  const ProgramResult result = runHaptolith("run icra2021 --device gamepad --hand scoop --duration-s 0.1");
+TEST(RunDevice, AHandsMotionAndADeviceExcludeEachOther) {
+  const ProgramResult result = runHaptolith("run icra2021 --device gamepad --motion scoop --duration-s 0.1");
   EXPECT_EQ(result.exit_status, 2);
-  EXPECT_THAT(result.errors, AllOf(HasSubstr("--device"), HasSubstr("--hand")));
+  EXPECT_THAT(result.errors, AllOf(HasSubstr("--device"), HasSubstr("--motion")));
 }
 
 TEST(RunDevice, OneThatNobodyKnowsIsRefusedWithThoseThatAreKnown) {
@@ -123,16 +123,16 @@ TEST(RunDevice, ANetworkDeviceThatNobodyHoldsShowsNoForceAndTheRunEnds) {
 }
 
 TEST(RunWithADevice, NobodysHandIsPutAtALoopWithoutAClock) {
-  const ProgramResult unpaced =
-      runHaptolith("run icra2021 --unpaced --device network --device-address 127.0.0.1:0 --no-serve");
-  EXPECT_EQ(unpaced.exit_status, 2);
-  EXPECT_THAT(unpaced.errors, AllOf(HasSubstr("paced"), HasSubstr("network"), HasSubstr("--unpaced")));
+  const ProgramResult by_option =
+      runHaptolith("run icra2021 --no-realtime --device network --device-address 127.0.0.1:0 --no-serve");
+  EXPECT_EQ(by_option.exit_status, 2);
+  EXPECT_THAT(by_option.errors, AllOf(HasSubstr("real_time"), HasSubstr("network"), HasSubstr("--no-realtime")));
 
-  const fs::path scene = fs::temp_directory_path() / ("haptolith-unpaced-" + std::to_string(getpid()) + ".toml");
-  std::ofstream(scene) << "[loop]\npaced = false\n[device]\nkind = \"network\"\naddress = \"127.0.0.1:0\"\n";
+  const fs::path scene = fs::temp_directory_path() / ("haptolith-no-realtime-" + std::to_string(getpid()) + ".toml");
+  std::ofstream(scene) << "[loop]\nreal_time = false\n[device]\nkind = \"network\"\naddress = \"127.0.0.1:0\"\n";
   const ProgramResult by_scene = runHaptolith("run --no-serve '" + scene.string() + "'");
   EXPECT_EQ(by_scene.exit_status, 2);
-  EXPECT_THAT(by_scene.errors, AllOf(HasSubstr("paced"), HasSubstr("network")));
+  EXPECT_THAT(by_scene.errors, AllOf(HasSubstr("real_time"), HasSubstr("network")));
 
   const ProgramResult snapshot = runHaptolith("snapshot '" + scene.string() + "' --out picture.png");
   EXPECT_EQ(snapshot.exit_status, 2);

@@ -36,11 +36,11 @@ class ExportCommand : public testing::Test {
         0);
   }
 
-  /// A second of the shovel in the paper's soil. Paced, for a run that a busy machine gets through between two turns of
-  /// its main thread has one picture only.
+  /// A second of the shovel in the paper's soil. In real time: of a run that a busy machine gets through between two
+  /// turns of its main thread has one picture only.
   void makeRun() const {
     const ProgramResult result = runHaptolith(
-        "run icra2021 --duration-s 1 --hand stir --no-serve --record-frames 20 --record " + file("run.h5"));
+        "run icra2021 --duration-s 1 --motion stir --no-serve --record-frames 20 --record " + file("run.h5"));
     ASSERT_EQ(result.exit_status, 0) << result.errors;
   }
 

@@ -28,13 +28,13 @@ class IdentifyCommands : public testing::Test {
 
 // As a stranger would: where to go, going there, what soil it was.
 TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
-  const ProgramResult probe = runHaptolith("identify probe --scene field --out " + in("probe.csv"));
+  const ProgramResult probe = runHaptolith("identify probe --scene probe-field --out " + in("probe.csv"));
   EXPECT_EQ(probe.exit_status, 0) << probe.errors;
   const std::size_t at = probe.errors.find("--origin-mm ");
   ASSERT_NE(at, std::string::npos) << probe.errors;
   const std::string origin = probe.errors.substr(at, probe.errors.find('\n', at) - at);
-  const ProgramResult run =
-      runHaptolith("run field --unpaced --no-serve --poses " + in("probe.csv") + " --trace " + in("measured.csv"));
+  const ProgramResult run = runHaptolith("run probe-field --no-realtime --no-serve --poses " + in("probe.csv") +
+                                         " --trace " + in("measured.csv"));
   EXPECT_EQ(run.exit_status, 0) << run.errors;
 
   const std::string soil = "identify soil " + in("measured.csv") + " " + origin;
@@ -49,7 +49,8 @@ TEST_F(IdentifyCommands, TellTheSoilOfAScene) {
   EXPECT_EQ(numbers.at("strange"), false);
 
   EXPECT_EQ(
-      runHaptolith("run field --unpaced --no-serve --duration-s 0.01 --set soil.file=" + in("found.toml")).exit_status,
+      runHaptolith("run probe-field --no-realtime --no-serve --duration-s 0.01 --set soil.file=" + in("found.toml"))
+          .exit_status,
       0);
   const ProgramResult again = runHaptolith(soil + " --soil-out " + in("found.toml"));
   EXPECT_EQ(again.exit_status, 1);
@@ -61,9 +62,10 @@ TEST_F(IdentifyCommands, ChooseTheNextPart) {
   const ProgramResult first = runHaptolith("identify next --origin-mm 0,0,60.4 --out " + in("first.csv"));
   EXPECT_EQ(first.exit_status, 0) << first.errors;
   EXPECT_THAT(first.output, AllOf(HasSubstr("0 of 6 parts are measured"), HasSubstr("Next: cut 35 mm, upright")));
-  EXPECT_EQ(runHaptolith("run field --unpaced --no-serve --poses " + in("first.csv") + " --trace " + in("one.csv"))
-                .exit_status,
-            0);
+  EXPECT_EQ(
+      runHaptolith("run probe-field --no-realtime --no-serve --poses " + in("first.csv") + " --trace " + in("one.csv"))
+          .exit_status,
+      0);
   const std::string measured = in("one.csv") + " --origin-mm 0,0,60.4";
   EXPECT_THAT(runHaptolith("identify soil " + measured).output,
               AllOf(HasSubstr("1 of 6 parts"), HasSubstr("cut 35 mm, upright   from 0.0")));

@@ -104,7 +104,7 @@ TEST_F(ToLammps, GoesABedAndComesBackAsItLay) {
   EXPECT_NEAR(after_m / before_m, 1, 0.01);
   // At rest, to be felt.
   const ProgramResult run = runHaptolith(fmt::format(
-      "run {} --hand still --duration-s 0.5 --unpaced --record {} --json", path("back.toml"), path("back.h5")));
+      "run {} --motion still --duration-s 0.5 --no-realtime --record {} --json", path("back.toml"), path("back.h5")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
   ASSERT_EQ(runHaptolith(fmt::format("export {} --format particles-csv --out {}", path("back.h5"), path("p.csv")))
                 .exit_status,
@@ -124,9 +124,9 @@ TEST_F(ToLammps, GoesABedAndComesBackAsItLay) {
 TEST_F(ToLammps, GoesTheToolOfARecording) {
   std::ofstream(folder_ / "down.csv") << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.08,1,0,0,0\n0.4,0,0,0.045,1,0,0,0\n"
                                          "0.6,0,0,0.045,1,0,0,0\n";
-  const ProgramResult run =
-      runHaptolith(fmt::format("run {} --poses {} --set hand.compliance=rigid --duration-s 0.6 --unpaced --record {}",
-                               path("springs.toml"), path("down.csv"), path("run.h5")));
+  const ProgramResult run = runHaptolith(
+      fmt::format("run {} --poses {} --set hand.compliance=rigid --duration-s 0.6 --no-realtime --record {}",
+                  path("springs.toml"), path("down.csv"), path("run.h5")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
   ASSERT_EQ(runHaptolith(fmt::format("export {} --format csv --out {}", path("run.h5"), path("run.csv"))).exit_status,
             0);

@@ -94,7 +94,7 @@ class ReplayCommand : public testing::Test {
 };
 
 TEST_F(ReplayCommand, ARecordedRunIsTheSameAgainToTheLastBitWhateverTheThreads) {
-  const json run = recorded("icra2021 --hand stir --unpaced --duration-s 1.5");
+  const json run = recorded("icra2021 --motion stir --no-realtime --duration-s 1.5");
   for (const int threads : {1, 2}) {
     const json replay = verified(fmt::format("--threads {}", threads));
     EXPECT_EQ(replay.at("title"), run.at("title"));
@@ -113,7 +113,7 @@ TEST_F(ReplayCommand, ARecordedRunIsTheSameAgainToTheLastBitWhateverTheThreads) 
 }
 
 TEST_F(ReplayCommand, AHashThatIsAnotherIsNamedAndFailsToVerify) {
-  (void)recorded("icra2021 --hand press --unpaced --duration-s 0.5");
+  (void)recorded("icra2021 --motion press --no-realtime --duration-s 0.5");
   const ProgramResult changed =
       runInShell(fmt::format(R"(/usr/bin/python3 -c "import h5py; ticks = h5py.File('{}', 'r+')['ticks']; )"
                              R"(rows = ticks[:]; rows['state_hash'][400] = 1; ticks[:] = rows")",
@@ -140,7 +140,7 @@ particles = 3000
 layers = 4
 threads = 2
 )";
-  const json run = recorded(fmt::format("'{}' --hand press --unpaced --duration-s 0.8", file("scene.toml")));
+  const json run = recorded(fmt::format("'{}' --motion press --no-realtime --duration-s 0.8", file("scene.toml")));
   EXPECT_EQ(run.at("threads"), 2);
   fs::remove(file("scene.toml"));  // the recording has all of it
   for (const int threads : {1, 3}) {
@@ -166,7 +166,7 @@ TEST_F(ReplayCommand, ARunByTheClockUnderADeviceThatNobodyHoldsIsStaleThroughout
 
 TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
   const std::string run =
-      fmt::format("run icra2021 --hand still --unpaced --no-serve --duration-s 0.05 --record '{}'", file("run.h5"));
+      fmt::format("run icra2021 --motion still --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("run.h5"));
   ASSERT_EQ(runHaptolith(run).exit_status, 0);
   const std::string only_copy = bytesOf(file("run.h5"));
   const ProgramResult refused = runHaptolith(run);
@@ -183,27 +183,27 @@ TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
 
 TEST_F(ReplayCommand, WhereNothingCanBeWrittenNothingRuns) {
   const ProgramResult missing = runHaptolith(
-      fmt::format("run icra2021 --unpaced --no-serve --duration-s 0.05 --record '{}'", file("no/such/folder/run.h5")));
+      fmt::format("run icra2021 --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("no/such/folder/run.h5")));
   EXPECT_EQ(missing.exit_status, 1);
   EXPECT_THAT(missing.errors, AllOf(HasSubstr(file("no/such/folder/run.h5")), HasSubstr("No such file or directory")));
   EXPECT_THAT(missing.output, IsEmpty());
   EXPECT_THAT(files(), IsEmpty());
 
   const ProgramResult folder = runHaptolith(
-      fmt::format("run icra2021 --unpaced --no-serve --duration-s 0.05 --overwrite --record '{}'", folder_.string()));
+      fmt::format("run icra2021 --no-realtime --no-serve --duration-s 0.05 --overwrite --record '{}'", folder_.string()));
   EXPECT_EQ(folder.exit_status, 1);
   EXPECT_THAT(folder.errors, HasSubstr("not a regular file"));
 }
 
 TEST_F(ReplayCommand, PicturesAreTakenAsOftenAsAskedForAndNotAtAllForNone) {
-  (void)recorded("icra2021 --hand press --duration-s 0.5 --record-frames 0");
+  (void)recorded("icra2021 --motion press --duration-s 0.5 --record-frames 0");
   EXPECT_EQ(verified().at("replayed_ticks"), 500);
   const std::string export_all = fmt::format("export '{}' --format vtk --out '{}'", file("run.h5"), file("frames"));
   const ProgramResult none = runHaptolith(export_all);
   EXPECT_EQ(none.exit_status, 1);
   EXPECT_THAT(none.errors, HasSubstr("no frames"));
 
-  (void)recorded("icra2021 --hand press --duration-s 0.5 --record-frames 20 --overwrite");
+  (void)recorded("icra2021 --motion press --duration-s 0.5 --record-frames 20 --overwrite");
   ASSERT_EQ(runHaptolith(export_all).exit_status, 0);
   const auto pictures = std::ranges::count_if(fs::directory_iterator(file("frames")), [](const auto& entry) {
     return entry.path().extension() == ".vtu" && entry.path().filename().string().starts_with("particles");
@@ -229,7 +229,7 @@ TEST_F(ReplayCommand, NonsenseIsRefused) {
 }
 
 TEST_F(ReplayCommand, ATruncatedRecordingIsRefused) {
-  (void)recorded("icra2021 --hand press --unpaced --duration-s 0.5");
+  (void)recorded("icra2021 --motion press --no-realtime --duration-s 0.5");
   const std::string whole = bytesOf(file("run.h5"));
   for (const std::size_t kept : {whole.size() / 10, whole.size() / 2, whole.size() - 100}) {
     std::ofstream(file("run.h5"), std::ios::binary) << whole.substr(0, kept);
@@ -242,7 +242,7 @@ TEST_F(ReplayCommand, ATruncatedRecordingIsRefused) {
 TEST_F(ReplayCommand, AKilledRunLeavesWhatCanBeExportedAndReplayed) {
   // Killed as soon as its first chunks are in the file, and some time later.
   const ProgramResult killed = runInShell(fmt::format(
-      "\"$HAPTOLITH\" run icra2021 --hand stir --no-serve --record '{0}' & pid=$!; "
+      "\"$HAPTOLITH\" run icra2021 --motion stir --no-serve --record '{0}' & pid=$!; "
       "for i in $(seq 200); do [ -e '{0}' ] && break; sleep 0.1; done; sleep 1.3; kill -KILL $pid; wait $pid",
       file("run.h5")));
   EXPECT_EQ(killed.exit_status, 128 + 9) << killed.errors;
@@ -254,7 +254,7 @@ TEST_F(ReplayCommand, AKilledRunLeavesWhatCanBeExportedAndReplayed) {
 }
 
 TEST_F(ReplayCommand, TicksThatAreMissingFailToVerify) {
-  (void)recorded("icra2021 --hand press --unpaced --duration-s 0.5");
+  (void)recorded("icra2021 --motion press --no-realtime --duration-s 0.5");
   const ProgramResult cut =
       runInShell(fmt::format(R"(/usr/bin/python3 -c "import h5py; file = h5py.File('{}', 'r+'); )"
                              R"(ticks = file['ticks']; rows = ticks[:]; ticks.resize(400, 0); )"
@@ -278,7 +278,7 @@ import os, pty, subprocess, sys, termios, time
 program, recording = sys.argv[1:]
 terminal, end = pty.openpty()
 termios.tcflow(end, termios.TCOOFF)
-run = subprocess.Popen([program, 'run', 'icra2021', '--hand', 'still', '--duration-s', '1', '--no-serve', '--record', recording],
+run = subprocess.Popen([program, 'run', 'icra2021', '--motion', 'still', '--duration-s', '1', '--no-serve', '--record', recording],
                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=end)
 complete = False
 for _ in range(300):
@@ -304,7 +304,7 @@ sys.exit(0 if complete and run.returncode == 0 else 1)
 
 TEST_F(ReplayCommand, AnInterruptedRunKeepsItsRecording) {
   const ProgramResult interrupted = runInShell(
-      fmt::format("timeout --preserve-status -s INT 1.5 \"$HAPTOLITH\" run icra2021 --json --hand stir --record '{}'",
+      fmt::format("timeout --preserve-status -s INT 1.5 \"$HAPTOLITH\" run icra2021 --json --motion stir --record '{}'",
                   file("run.h5")));
   EXPECT_EQ(interrupted.exit_status, 0) << interrupted.errors;
   EXPECT_EQ(verified().at("replayed_ticks"), json::parse(interrupted.output).at("ticks"));

@@ -17,7 +17,7 @@ TEST(Ros2Command, WithoutDdsSaysWhatToInstall) {
   if (isBuiltIn()) {
     GTEST_SKIP() << "this program has DDS";
   }
-  for (const char* command : {"ros2", "ros2 dig --domain 3", "teleop ros2"}) {
+  for (const char* command : {"ros2", "ros2 teleop-model --domain 3", "teleop ros2"}) {
     const ProgramResult result = runHaptolith(command);
     EXPECT_EQ(result.exit_status, 1) << command;
     EXPECT_THAT(result.errors, HasSubstr("cyclonedds-dev"));
@@ -30,7 +30,7 @@ TEST(Ros2Command, RefusesNamesAndDomainsThatRos2DoesNotTake) {
   }
   for (const char* wrong :
        {"ros2 --node-name 2nd", "ros2 --ros-namespace site", "ros2 --domain 233", "ros2 --target-timeout-s 0",
-        "ros2 --unpaced --duration-s 1", "teleop ros2 --robot 'a b' --listen 127.0.0.1:0", "teleop ros2 --site 1,2",
+        "ros2 --no-realtime --duration-s 1", "teleop ros2 --robot 'a b' --listen 127.0.0.1:0", "teleop ros2 --site 1,2",
         "teleop ros2 --listen 0.0.0.0:0"}) {
     EXPECT_EQ(runHaptolith(std::string(wrong) + " --localhost").exit_status, 2) << wrong;
   }
@@ -42,7 +42,7 @@ TEST(Ros2Command, TellsWhatItTold) {
     GTEST_SKIP() << "this program has no DDS";
   }
   const ProgramResult result = runHaptolith(
-      "ros2 icra2021 --hand stir --localhost --domain 97 --node-name digger --ros-namespace /site --duration-s 0.5 "
+      "ros2 icra2021 --motion stir --localhost --domain 97 --node-name digger --ros-namespace /site --duration-s 0.5 "
       "--json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json told = json::parse(result.output).at("ros2");

@@ -63,7 +63,7 @@ class RunCommand : public testing::Test {
 };
 
 TEST_F(RunCommand, SummaryTellsTheWholeRun) {
-  const json summary = summaryOf("icra2021 --unpaced --duration-s 2");
+  const json summary = summaryOf("icra2021 --no-realtime --duration-s 2");
   EXPECT_EQ(summary["particles"], 256);
   EXPECT_EQ(summary["ticks"], 2000);
   EXPECT_DOUBLE_EQ(summary["duration_s"], 2);
@@ -85,7 +85,7 @@ TEST_F(RunCommand, MissedDeadlinesAreToldByTheirCause) {
   const json summary = summaryOf("icra2021 --duration-s 1");
   const auto misses = [&](const char* cause) { return summary[std::string("misses_") + cause].get<int>(); };
   EXPECT_EQ(misses("too_long") + misses("woken_late") + misses("preempted"), summary["deadline_misses"]);
-  EXPECT_TRUE(summaryOf("icra2021 --unpaced --duration-s 0.05")["misses_too_long"].is_null());
+  EXPECT_TRUE(summaryOf("icra2021 --no-realtime --duration-s 0.05")["misses_too_long"].is_null());
 }
 
 TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
@@ -103,7 +103,7 @@ TEST_F(RunCommand, SoilTooFineForAnyMachineEndsWithAdvice) {
 TEST_F(RunCommand, WithoutANameOpensSoilAtRestThatPassesTheLaboratory) {
   const auto with_cache = [this](const std::string& scene) {
     const ProgramResult result = runInShell(fmt::format(
-        "HAPTOLITH_CACHE='{}' \"$HAPTOLITH\" run {} --json --unpaced --duration-s 0.05", folder_.string(), scene));
+        "HAPTOLITH_CACHE='{}' \"$HAPTOLITH\" run {} --json --no-realtime --duration-s 0.05", folder_.string(), scene));
     EXPECT_EQ(result.exit_status, 0) << result.errors;
     return json::parse(result.output);
   };
@@ -113,35 +113,35 @@ TEST_F(RunCommand, WithoutANameOpensSoilAtRestThatPassesTheLaboratory) {
   EXPECT_EQ(usual["soil"], "lunar-0-15cm");
   EXPECT_EQ(usual["friction"], "contact");
   EXPECT_EQ(usual["awake"], 0) << "it lies still until it is touched";
-  const json regolith = summaryOf("regolith --unpaced --duration-s 0.05");
+  const json regolith = summaryOf("regolith --no-realtime --duration-s 0.05");
   EXPECT_TRUE(regolith["finest"].is_null());
   EXPECT_GT(regolith["particles"].get<int>() - regolith["held"].get<int>(), 1500);
 }
 
 TEST_F(RunCommand, SaysWhichParticlesItChoseAndTakesCoarserOnes) {
-  const ProgramResult chosen = runHaptolith("run --unpaced --duration-s 0.01 --no-serve");
+  const ProgramResult chosen = runHaptolith("run --no-realtime --duration-s 0.01 --no-serve");
   EXPECT_EQ(chosen.exit_status, 0) << chosen.errors;
   EXPECT_THAT(chosen.errors, testing::ContainsRegex("mm particles on [0-9]+ thread.*this machine"));
   const auto particles = [](const std::string& arguments) {
-    return summaryOf(arguments + " --unpaced --duration-s 0.01")["particles"].get<int>();
+    return summaryOf(arguments + " --no-realtime --duration-s 0.01")["particles"].get<int>();
   };
   EXPECT_EQ(particles("--set soil.radius_mm=4 --coarser"), particles("--set soil.radius_mm=4.4"));
   EXPECT_EQ(particles("--set soil.radius_mm=4 --coarser --coarser"), particles("--set soil.radius_mm=4.8"));
   const ProgramResult said =
-      runHaptolith("run --set soil.radius_mm=4 --coarser --unpaced --duration-s 0.01 --no-serve");
+      runHaptolith("run --set soil.radius_mm=4 --coarser --no-realtime --duration-s 0.01 --no-serve");
   EXPECT_THAT(said.errors, HasSubstr("4.4 mm particles on"));
-  const ProgramResult refused = runHaptolith("run icra2021 --coarser --unpaced --duration-s 0.01");
+  const ProgramResult refused = runHaptolith("run icra2021 --coarser --no-realtime --duration-s 0.01");
   EXPECT_EQ(refused.exit_status, 2);
 }
 
 TEST_F(RunCommand, APresetWithoutASceneIsThePapersSoilInThePapersScene) {
-  EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 --preset P1")["state_hash"],
-            summaryOf("icra2021 --unpaced --duration-s 0.05 --preset P1")["state_hash"]);
+  EXPECT_EQ(summaryOf("--no-realtime --duration-s 0.05 --preset P1")["state_hash"],
+            summaryOf("icra2021 --no-realtime --duration-s 0.05 --preset P1")["state_hash"]);
 }
 
 TEST_F(RunCommand, AnyKeyCanBeSetOnTheCommandLine) {
   const json summary = summaryOf(
-      "--unpaced --duration-s 0.01 --set bed.particles=200 --set soil.preset=P1 --set gravity.body=Mars icra2021");
+      "--no-realtime --duration-s 0.01 --set bed.particles=200 --set soil.preset=P1 --set gravity.body=Mars icra2021");
   EXPECT_EQ(summary["particles"], 200);
   EXPECT_EQ(summary["preset"], "P1");
   const ProgramResult wrong = runHaptolith("run icra2021 --set bed.threads=0");
@@ -152,8 +152,8 @@ TEST_F(RunCommand, AnyKeyCanBeSetOnTheCommandLine) {
   EXPECT_THAT(unknown.errors, HasSubstr("did you mean [bed] threads?"));
 }
 
-TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
-  const json run = summaryOf("regolith --finest --unpaced --duration-s 0.05");
+TEST_F(RunCommand, AutoResolutionChoosesGrainsAndSaysWhich) {
+  const json run = summaryOf("regolith --auto-resolution --no-realtime --duration-s 0.05");
   const double radius_mm = run["finest"]["chosen"]["radius_mm"];
   EXPECT_THAT(
       run["title"].get<std::string>(),
@@ -162,18 +162,18 @@ TEST_F(RunCommand, FinestChoosesGrainsAndSaysWhich) {
   const double error = radius_mm < 7 ? 0.1 : 0.25;
   const double free = run["particles"].get<double>() - run["held"].get<double>();
   EXPECT_NEAR(free / run["finest"]["chosen"]["grains"].get<double>(), 1, error);
-  EXPECT_TRUE(summaryOf("icra2021 --unpaced --duration-s 0.05")["finest"].is_null());
-  const ProgramResult refused = runHaptolith("run icra2021 --finest --unpaced --duration-s 0.05");
+  EXPECT_TRUE(summaryOf("icra2021 --no-realtime --duration-s 0.05")["finest"].is_null());
+  const ProgramResult refused = runHaptolith("run icra2021 --auto-resolution --no-realtime --duration-s 0.05");
   EXPECT_EQ(refused.exit_status, 2);
   EXPECT_THAT(refused.errors, HasSubstr("the bed must start as settled"));
 }
 
 TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
-  const std::string scoop = "icra2021 --unpaced --duration-s 3 --hand scoop";
+  const std::string scoop = "icra2021 --no-realtime --duration-s 3 --motion scoop";
   const json once = summaryOf(scoop);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop)["state_hash"]);
   EXPECT_EQ(once["state_hash"], summaryOf(scoop + " --threads 3")["state_hash"]);
-  EXPECT_EQ(once["state_hash"], summaryOf("icra2021 --duration-s 3 --hand scoop")["state_hash"])
+  EXPECT_EQ(once["state_hash"], summaryOf("icra2021 --duration-s 3 --motion scoop")["state_hash"])
       << "pacing changes the physics";
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --body Mars")["state_hash"]);
   EXPECT_NE(once["state_hash"], summaryOf(scoop + " --preset P1")["state_hash"]);
@@ -181,7 +181,7 @@ TEST_F(RunCommand, StateHashDependsOnTheSceneAndOnNothingElse) {
 
 TEST_F(RunCommand, ASoilIsFoundByItsNameFromAnyFolder) {
   const ProgramResult result = runInShell(fmt::format(
-      "cd '{}' && \"$HAPTOLITH\" run icra2021 --json --unpaced --duration-s 0.05 --soil LHS-1", folder_.string()));
+      "cd '{}' && \"$HAPTOLITH\" run icra2021 --json --no-realtime --duration-s 0.05 --soil LHS-1", folder_.string()));
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json summary = json::parse(result.output);
   EXPECT_EQ(summary["soil"], "lhs-1");
@@ -193,7 +193,7 @@ TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
   const ProgramResult copied = runInShell(fmt::format(
       "sed 's/^name = .*/name = \"mine\"/' '{}/soils/lhs-1.toml' > '{}'", sourceDir().string(), file("mine.toml")));
   ASSERT_EQ(copied.exit_status, 0);
-  const std::string brief = "--unpaced --duration-s 0.05 ";
+  const std::string brief = "--no-realtime --duration-s 0.05 ";
   EXPECT_EQ(summaryOf(brief + "icra2021 --soil " + file("mine.toml"))["soil"], "mine");
   EXPECT_EQ(summaryOf(brief + "icra2021 --soil " + file("mine.toml"))["state_hash"],
             summaryOf(brief + "icra2021 --soil lhs-1")["state_hash"]);
@@ -207,7 +207,7 @@ TEST_F(RunCommand, ASoilMayComeFromAFileAndReplacesTheScenes) {
 }
 
 TEST_F(RunCommand, FrictionIsTheSoilsUnlessToldOtherwise) {
-  const std::string brief = "icra2021 --unpaced --duration-s 0.05 ";
+  const std::string brief = "icra2021 --no-realtime --duration-s 0.05 ";
   EXPECT_EQ(summaryOf(brief)["friction"], "icra2021");
   EXPECT_EQ(summaryOf(brief + "--friction-model Contact")["friction"], "contact");
   EXPECT_EQ(summaryOf(brief + "--friction pairwise")["friction"], "contact") << "the word of earlier versions";
@@ -228,7 +228,7 @@ TEST_F(RunCommand, AWrongSoilIsToldWithTheNearest) {
 
 TEST_F(RunCommand, SeedChangesRainAndNothingElse) {
   writeFile("rain.toml", "[bed]\nstart = \"rain\"\nparticles = 60\nwidth_mm = 80\nlength_mm = 80\n");
-  const std::string rain = "--unpaced --duration-s 0.01 " + file("rain.toml");
+  const std::string rain = "--no-realtime --duration-s 0.01 " + file("rain.toml");
   EXPECT_EQ(summaryOf(rain + " --seed 5")["state_hash"], summaryOf(rain + " --seed 5")["state_hash"]);
   EXPECT_NE(summaryOf(rain + " --seed 5")["state_hash"], summaryOf(rain + " --seed 6")["state_hash"]);
 }
@@ -236,7 +236,7 @@ TEST_F(RunCommand, SeedChangesRainAndNothingElse) {
 TEST_F(RunCommand, AToolThatSomebodyDrewIsToldOfAndReplayedWithoutItsFile) {
   writeFile("wedge.obj", "v 0 0 0\nv 30 0 0\nv 0 20 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   const ProgramResult run = runHaptolith(fmt::format(
-      "run icra2021 --set tool.mesh={} --unpaced --duration-s 0.5 --record {}", file("wedge.obj"), file("run.h5")));
+      "run icra2021 --set tool.mesh={} --no-realtime --duration-s 0.5 --record {}", file("wedge.obj"), file("run.h5")));
   EXPECT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors, HasSubstr("wedge.obj: 30 x 20 x 10 mm"));
   ASSERT_EQ(runInShell(fmt::format("rm '{}'", file("wedge.obj"))).exit_status, 0);
@@ -246,7 +246,7 @@ TEST_F(RunCommand, AToolThatSomebodyDrewIsToldOfAndReplayedWithoutItsFile) {
 }
 
 TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
-  summaryOf("icra2021 --unpaced --duration-s 1.5 --trace " + file("trace.csv"));
+  summaryOf("icra2021 --no-realtime --duration-s 1.5 --trace " + file("trace.csv"));
   EXPECT_EQ(files(), std::vector<std::string>{"trace.csv"});
   const auto rows = readCsv(file("trace.csv"));
   ASSERT_EQ(rows.size(), 1501U);
@@ -256,21 +256,22 @@ TEST_F(RunCommand, TraceHasARowForEveryTickAndIsAPoseFile) {
 
   const ProgramResult cut = runInShell(fmt::format("cut -d, -f1-8 '{}' > '{}'", file("trace.csv"), file("poses.csv")));
   ASSERT_EQ(cut.exit_status, 0);
-  const json replay = summaryOf("icra2021 --unpaced --poses " + file("poses.csv"));
+  const json replay = summaryOf("icra2021 --no-realtime --poses " + file("poses.csv"));
   EXPECT_EQ(replay["ended"], "end of the recorded movement");
 }
 
 TEST_F(RunCommand, FigureIsDrawn) {
-  summaryOf(fmt::format("icra2021 --unpaced --duration-s 1 --figure {}", file("run.svg")));
+  summaryOf(fmt::format("icra2021 --no-realtime --duration-s 1 --figure {}", file("run.svg")));
   std::ifstream in(file("run.svg"));
   const std::string svg{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   EXPECT_THAT(svg, HasSubstr("Force on the hand"));
   EXPECT_EQ(files(), std::vector<std::string>{"run.svg"});
 }
 
-// The plate's movement is real (scenes/plate-in-sand.csv); the bed's answer must be force that grows with sinkage.
+// The plate's movement is real (scenes/plate-recorded.csv); the bed's answer must be force that grows with sinkage.
 TEST_F(RunCommand, PlateWithARecordedMovementFeelsForceThatGrowsWithSinkage) {
-  summaryOf(fmt::format("--unpaced --trace {} {}/scenes/plate-in-sand.toml", file("plate.csv"), sourceDir().string()));
+  summaryOf(
+      fmt::format("--no-realtime --trace {} {}/scenes/plate-recorded.toml", file("plate.csv"), sourceDir().string()));
   constexpr double kStartHeight_m = 0.117188 + 0.0025;  // the plate's centre at no sinkage
   std::vector<double> sum(4), count(4);                 // in bins of 9 mm of sinkage
   const auto rows = readCsv(file("plate.csv"));
@@ -332,7 +333,7 @@ TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
 TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
   // A file may not grow beyond 8 blocks of 1 KiB here; the signal for that is ignored, so that write() fails.
   const ProgramResult result = runInShell(fmt::format(
-      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --unpaced --duration-s 60 --trace {}'",
+      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --no-realtime --duration-s 60 --trace {}'",
       file("trace.csv")));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("cannot write"));
@@ -343,19 +344,19 @@ TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
 TEST_F(RunCommand, AnOldTraceStaysWhenTheNewOneFails) {
   writeFile("trace.csv", "precious\n");
   runInShell(fmt::format(
-      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --unpaced --duration-s 60 --trace {}'",
+      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --no-realtime --duration-s 60 --trace {}'",
       file("trace.csv")));
   EXPECT_EQ(readCsv(file("trace.csv"))[0][0], "precious");
 }
 
 TEST_F(RunCommand, FilesThatCannotBeWrittenAreRefusedAtOnce) {
-  const ProgramResult trace = runHaptolith("run icra2021 --unpaced --duration-s 1000 --trace /no/such/folder/t.csv");
+  const ProgramResult trace = runHaptolith("run icra2021 --no-realtime --duration-s 1000 --trace /no/such/folder/t.csv");
   EXPECT_EQ(trace.exit_status, 1);
   EXPECT_THAT(trace.errors, HasSubstr("/no/such/folder/t.csv"));
-  const ProgramResult figure = runHaptolith("run icra2021 --unpaced --duration-s 1000 --figure " + file("run.gif"));
+  const ProgramResult figure = runHaptolith("run icra2021 --no-realtime --duration-s 1000 --figure " + file("run.gif"));
   EXPECT_EQ(figure.exit_status, 2);
   EXPECT_THAT(figure.errors, HasSubstr(".svg or .png"));
-  const ProgramResult lost = runHaptolith("run icra2021 --unpaced --duration-s 1000 --figure /no/such/folder/run.png");
+  const ProgramResult lost = runHaptolith("run icra2021 --no-realtime --duration-s 1000 --figure /no/such/folder/run.png");
   EXPECT_EQ(lost.exit_status, 1);
 }
 
@@ -371,7 +372,7 @@ TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
                {"", "at least 2"}};
   for (const auto& [text, told] : cases) {
     writeFile("poses.csv", header + text);
-    const ProgramResult result = runHaptolith("run icra2021 --unpaced --poses " + file("poses.csv"));
+    const ProgramResult result = runHaptolith("run icra2021 --no-realtime --poses " + file("poses.csv"));
     EXPECT_EQ(result.exit_status, 2) << text;
     EXPECT_THAT(result.errors, HasSubstr(told));
     EXPECT_THAT(result.errors, HasSubstr("poses.csv"));
@@ -383,7 +384,7 @@ TEST_F(RunCommand, BadPosesAreToldWithFileLineAndColumn) {
 
 TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
   writeFile("poses.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.2,1,0,0,0\n1,5,0,0.2,1,0,0,0\n");
-  const ProgramResult result = runHaptolith("run icra2021 --unpaced --json --poses " + file("poses.csv"));
+  const ProgramResult result = runHaptolith("run icra2021 --no-realtime --json --poses " + file("poses.csv"));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("the hand left the scene"));
   EXPECT_TRUE(json::accept(result.output)) << "the summary is printed all the same";
@@ -392,9 +393,9 @@ TEST_F(RunCommand, AHandThatLeavesTheSceneEndsTheRun) {
 TEST_F(RunCommand, WrongUseIsToldAndHasStatusTwo) {
   for (const char* arguments :
        {"--preset P9", "--soil none.toml", "--soil lhs-1 --preset P1", "--friction-model none", "--body Vulcan",
-        "--hand dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s nan", "--duration-s -1", "--threads 0",
-        "--threads two", "--seed -1", "--hand stir --poses x.csv", "one.toml two.toml"}) {
-    const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --unpaced ") + arguments);
+        "--motion dance", "--cpu one", "--cpu -2", "--cpu 1024", "--duration-s nan", "--duration-s -1", "--threads 0",
+        "--threads two", "--seed -1", "--motion stir --poses x.csv", "one.toml two.toml"}) {
+    const ProgramResult result = runInShell(std::string("timeout 20 \"$HAPTOLITH\" run --no-realtime ") + arguments);
     EXPECT_EQ(result.exit_status, 2) << arguments;
     EXPECT_THAT(result.errors, HasSubstr("error:")) << arguments;
     EXPECT_TRUE(result.output.empty()) << arguments;
@@ -410,10 +411,10 @@ TEST_F(RunCommand, ServesItsPageAndSaysWhere) {
     return runInShell("bash -c 'set -m; \"$HAPTOLITH\" run icra2021 --port 0 " + arguments + ask + "' " +
                       file("serve"));
   };
-  const ProgramResult result = served("--hand still");
+  const ProgramResult result = served("--motion still");
   EXPECT_THAT(result.output, HasSubstr("200 OK"));
   EXPECT_THAT(result.output, HasSubstr("<title>haptolith"));
-  EXPECT_THAT(served("--json --unpaced --serve").output, HasSubstr("200 OK"));
+  EXPECT_THAT(served("--json --no-realtime --serve").output, HasSubstr("200 OK"));
 
   EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --json").errors, testing::Not(HasSubstr("http://")));
   EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --no-serve").errors, testing::Not(HasSubstr("http://")));
@@ -458,28 +459,29 @@ TEST_F(RunCommand, WhoMayOnlyLookOnIsNotInvitedToTouch) {
 }
 
 TEST_F(RunCommand, TellsHowLateItsTicksBegan) {
-  const json paced = summaryOf("icra2021 --duration-s 0.2");
+  const json real_time = summaryOf("icra2021 --duration-s 0.2");
   for (const char* key : {"mean", "p50", "p99", "p99_9", "max"}) {
-    EXPECT_GT(paced["late_us"][key].get<double>(), 0) << key;
+    EXPECT_GT(real_time["late_us"][key].get<double>(), 0) << key;
   }
   std::uint64_t counted = 0;
-  for (const json& count : paced["late_us"]["buckets"]["count"]) {
+  for (const json& count : real_time["late_us"]["buckets"]["count"]) {
     counted += count.get<std::uint64_t>();
   }
-  EXPECT_EQ(counted, paced["ticks"]);
-  EXPECT_TRUE(summaryOf("icra2021 --duration-s 0.2 --unpaced")["late_us"].is_null());
+  EXPECT_EQ(counted, real_time["ticks"]);
+  EXPECT_TRUE(summaryOf("icra2021 --duration-s 0.2 --no-realtime")["late_us"].is_null());
   EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --no-serve").output,
               testing::ContainsRegex("\n  wake-up    p50 [0-9.]+  p99 [0-9.]+  p99.9 [0-9.]+  max [0-9.]+ us late\n"));
-  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --unpaced").output, testing::Not(HasSubstr("wake-up")));
+  EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --no-realtime").output, testing::Not(HasSubstr("wake-up")));
 }
 
 TEST_F(RunCommand, RunsOnTheCpuItIsTold) {
-  EXPECT_TRUE(summaryOf("icra2021 --unpaced --duration-s 0.05")["realtime"]["cpu"].is_null());
-  EXPECT_EQ(summaryOf("icra2021 --unpaced --duration-s 0.05 --cpu 0")["realtime"]["cpu"], 0);
+  EXPECT_TRUE(summaryOf("icra2021 --no-realtime --duration-s 0.05")["realtime"]["cpu"].is_null());
+  EXPECT_EQ(summaryOf("icra2021 --no-realtime --duration-s 0.05 --cpu 0")["realtime"]["cpu"], 0);
   EXPECT_THAT(runHaptolith("run icra2021 --duration-s 0.1 --no-serve --cpu 0").output, HasSubstr(" on CPU 0, memory "));
   writeFile("pinned.toml", "[loop]\ncpu = 0\n");
-  EXPECT_EQ(summaryOf("--unpaced --duration-s 0.05 " + file("pinned.toml"))["realtime"]["cpu"], 0);
-  EXPECT_TRUE(summaryOf("--unpaced --duration-s 0.05 --cpu -1 " + file("pinned.toml"))["realtime"]["cpu"].is_null());
+  EXPECT_EQ(summaryOf("--no-realtime --duration-s 0.05 " + file("pinned.toml"))["realtime"]["cpu"], 0);
+  EXPECT_TRUE(
+      summaryOf("--no-realtime --duration-s 0.05 --cpu -1 " + file("pinned.toml"))["realtime"]["cpu"].is_null());
 
   const ProgramResult none = runHaptolith("run icra2021 --duration-s 0.1 --cpu 1023");
   EXPECT_EQ(none.exit_status, 2);
@@ -493,7 +495,7 @@ TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
   const std::string last = refused.errors.substr(0, refused.errors.find(" on this machine"));
   const std::string target = last.substr(last.find_last_of(' ') + 1);
   const ProgramResult result =
-      runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run icra2021 --duration-s 0.1 --unpaced --json");
+      runInShell("HAPTOLITH_SIMD=" + target + " \"$HAPTOLITH\" run icra2021 --duration-s 0.1 --no-realtime --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_EQ(json::parse(result.output).at("simd"), target);
 }
@@ -502,8 +504,9 @@ TEST_F(RunCommand, UsesTheInstructionSetItIsToldTo) {
 
 TEST_F(RunCommand, ASceneRunsNoCommand) {
   writeFile("gp.toml", fmt::format("title = \"A nice scene\\nsystem(\\\"touch {}\\\")\\n#\"\n", file("pwned")));
-  const ProgramResult result = runHaptolith(fmt::format(
-      "run '{}' --hand press --duration-s 0.05 --unpaced --no-serve --figure '{}'", file("gp.toml"), file("g.svg")));
+  const ProgramResult result =
+      runHaptolith(fmt::format("run '{}' --motion press --duration-s 0.05 --no-realtime --no-serve --figure '{}'",
+                               file("gp.toml"), file("g.svg")));
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("gp.toml:1: title"));
   EXPECT_EQ(files(), std::vector<std::string>{"gp.toml"});
@@ -511,7 +514,7 @@ TEST_F(RunCommand, ASceneRunsNoCommand) {
 
 TEST_F(RunCommand, ASceneLoadsNoLibrary) {
   writeFile("x.toml", "[device]\nkind = 'force-dimension'\nlibrary = './evil.so'\n");
-  for (const char* command : {"run '{}' --duration-s 0.05 --unpaced --no-serve", "snapshot '{}' --out x.png"}) {
+  for (const char* command : {"run '{}' --duration-s 0.05 --no-realtime --no-serve", "snapshot '{}' --out x.png"}) {
     const ProgramResult result = runHaptolith(fmt::format(fmt::runtime(command), file("x.toml")));
     EXPECT_EQ(result.exit_status, 2);
     EXPECT_THAT(result.errors, HasSubstr("x.toml:3: [device] library = './evil.so' is not valid"));
@@ -522,7 +525,7 @@ TEST_F(RunCommand, ASceneLoadsNoLibrary) {
 TEST_F(RunCommand, PosesWithoutEndAreRefused) {
   fs::create_symlink("/dev/zero", file("zero.csv"));
   const ProgramResult result =
-      runHaptolith(fmt::format("run icra2021 --poses '{}' --duration-s 0.05 --unpaced --no-serve", file("zero.csv")));
+      runHaptolith(fmt::format("run icra2021 --poses '{}' --duration-s 0.05 --no-realtime --no-serve", file("zero.csv")));
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("zero.csv' is not valid: must be a file; it is a device"));
 }
@@ -535,7 +538,7 @@ TEST_F(RunCommand, ReplacesNoFileUnlessItIsAskedTo) {
   for (const char* option : {"--trace", "--figure"}) {
     const std::string name = file(option == std::string("--trace") ? "mine.csv" : "mine.svg");
     const std::string command =
-        fmt::format("run icra2021 --duration-s 0.02 --unpaced --no-serve {} '{}'", option, name);
+        fmt::format("run icra2021 --duration-s 0.02 --no-realtime --no-serve {} '{}'", option, name);
     const ProgramResult refused = runHaptolith(command);
     EXPECT_EQ(refused.exit_status, 1);
     EXPECT_THAT(refused.errors, HasSubstr("already exists: choose another name, or add --overwrite"));
@@ -548,19 +551,19 @@ TEST_F(RunCommand, ReplacesNoFileUnlessItIsAskedTo) {
 TEST_F(RunCommand, NeverWritesOverTheSceneThatItRuns) {
   writeFile("x.toml", "title = 'mine'\n");
   const ProgramResult result = runHaptolith(
-      fmt::format("run '{0}' --duration-s 0.02 --unpaced --no-serve --overwrite --trace '{0}'", file("x.toml")));
+      fmt::format("run '{0}' --duration-s 0.02 --no-realtime --no-serve --overwrite --trace '{0}'", file("x.toml")));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("x.toml: this command reads it"));
 }
 
 TEST_F(RunCommand, ARecordingIsNamedAsOneAndReplacesNothingElse) {
   const ProgramResult named =
-      runHaptolith(fmt::format("run icra2021 --duration-s 0.02 --unpaced --no-serve --record '{}'", file("x.csv")));
+      runHaptolith(fmt::format("run icra2021 --duration-s 0.02 --no-realtime --no-serve --record '{}'", file("x.csv")));
   EXPECT_EQ(named.exit_status, 2);
   EXPECT_THAT(named.errors, HasSubstr("a file name ending in .h5"));
   writeFile("notes.h5", "mine");
   const ProgramResult replaced = runHaptolith(
-      fmt::format("run icra2021 --duration-s 0.02 --unpaced --no-serve --overwrite --record '{}'", file("notes.h5")));
+      fmt::format("run icra2021 --duration-s 0.02 --no-realtime --no-serve --overwrite --record '{}'", file("notes.h5")));
   EXPECT_EQ(replaced.exit_status, 1);
   EXPECT_THAT(replaced.errors, HasSubstr("notes.h5: it is not a recording"));
   EXPECT_EQ(files(), std::vector<std::string>{"notes.h5"});

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 const std::string kQuick =
-    "study explore --block friction --friction-model icra2021 --hand stir --repeats 2 --rounds 1";
+    "study explore --block friction --friction-model icra2021 --motion stir --repeats 2 --rounds 1";
 
 class StudyExploreCommand : public testing::Test {
  protected:
@@ -52,7 +52,7 @@ TEST_F(StudyExploreCommand, TellsWhatAHandFeelsOfEachStimulus) {
 TEST_F(StudyExploreCommand, TellsWhatForceAndWhatThePictureTellOfATask) {
   std::ofstream(folder_ / "scene.toml") << "[soil]\nname = 'dry-sand'\n[bed]\nstart = 'packed'\ndepth_mm = 30\n"
                                            "[tool]\nshape = 'sphere'\ndiameter_mm = 30\n"
-                                           "[hand]\nmanoeuvre = 'press'\nperiod_s = 1\nsurface_mm = 30\n";
+                                           "[hand]\nmotion = 'press'\nperiod_s = 1\nsurface_mm = 30\n";
   std::ofstream(folder_ / "p.toml") << "title = 'T'\nscene = 'scene.toml'\n[[block]]\nname = 'a'\nquestion = 'q'\n"
                                        "answers = ['1', '2']\nvaries = 'soil_depth_mm'\nreference = 30\n"
                                        "levels = [20, 60]\n";
@@ -71,7 +71,7 @@ TEST_F(StudyExploreCommand, TellsWhatForceAndWhatThePictureTellOfATask) {
   const ProgramResult text = runHaptolith(command);
   EXPECT_THAT(text.output, testing::HasSubstr("force d'"));
   EXPECT_THAT(text.output, testing::HasSubstr("seen height (mm)"));
-  EXPECT_EQ(runHaptolith(command + " --hand stir").exit_status, 2);
+  EXPECT_EQ(runHaptolith(command + " --motion stir").exit_status, 2);
   EXPECT_EQ(runHaptolith("study explore --repeats 3 --protocol " + (folder_ / "p.toml").string()).exit_status, 2);
   const ProgramResult none = runHaptolith("study explore --protocol buried-ston");
   EXPECT_EQ(none.exit_status, 2);
@@ -85,7 +85,7 @@ TEST_F(StudyExploreCommand, IsTheSameForAnyNumberOfThreads) {
 TEST_F(StudyExploreCommand, NonsenseIsRefused) {
   EXPECT_EQ(runHaptolith("study explore --block weight").exit_status, 2);
   EXPECT_EQ(runHaptolith("study explore --repeats 1").exit_status, 2);
-  EXPECT_EQ(runHaptolith("study explore --hand carry").exit_status, 2);
+  EXPECT_EQ(runHaptolith("study explore --motion carry").exit_status, 2);
   EXPECT_EQ(runHaptolith(kQuick + " --csv /no/such/folder/file.csv").exit_status, 1);
 }
 

@@ -296,7 +296,7 @@ TEST_F(RunningStudy, ARobotBehindALinkFollowsInEachTrialAndIsMeasured) {
 TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
   // In soil of the Moon: a bed of 256 particles is too thin for a model to detect a completed press.
   const std::string on_the_moon = std::regex_replace(std::string(kPresses), std::regex("site = \"icra2021\"\n"), "");
-  std::ofstream(file("press.toml")) << "scene = \"dig\"\n"
+  std::ofstream(file("press.toml")) << "scene = \"teleop-model\"\n"
                                     << std::regex_replace(on_the_moon, std::regex("interval_s = 4"), "interval_s = 60");
   makeStudy(file("press.toml"));
   const ProgramResult run = runHaptolith(fmt::format("study simulate {} --participants 2", file("a.study")));
@@ -391,7 +391,7 @@ TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
            {"simulate " + file("a.study") + " --lapse 2", "lapse = 2"},
            {"simulate " + file("a.study") + " --blind 1.5", "--blind"},
            {"simulate " + file("a.study") + " --blind 0.1 --lapse 0.1", "--lapse"},
-           {"simulate " + file("a.study") + " --hand stir", "--judge"},
+           {"simulate " + file("a.study") + " --motion stir", "--judge"},
            {"figure " + file("a.study") + " --block gravity", "gravity"},
            {"figure " + file("a.study") + " --sigmoid round", "round"},
            {"plan --protocol nosuch", "nosuch"},
@@ -471,7 +471,7 @@ TEST_F(StudyRunCommands, SimulatedAnswersStandBesideNoPersons) {
 TEST_F(StudyRunCommands, AHandThatFeelsTellsFrictionApart) {
   makeStudy();
   const ProgramResult simulated =
-      runHaptolith("study simulate --participants 1 --hand stir --judge mean-force --weber 0.001 " + file("a.study"));
+      runHaptolith("study simulate --participants 1 --motion stir --judge mean-force --weber 0.001 " + file("a.study"));
   EXPECT_EQ(simulated.exit_status, 0) << simulated.errors;
   const Json levels = status()["blocks"][0]["levels"];
   ASSERT_EQ(levels.size(), 5U);

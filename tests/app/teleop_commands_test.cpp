@@ -91,7 +91,7 @@ TEST(TeleopCommands, AnOperatorLeadsARobotInAnotherProgram) {
 robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'icra2021', '--listen', '127.0.0.1:0', '--duration-s', '20',
                           '--json'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
-lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'icra2021', '--hand', 'still', '--to', '127.0.0.1:' + port,
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'icra2021', '--motion', 'still', '--to', '127.0.0.1:' + port,
                        '--duration-s', '3', '--json'], capture_output=True, text=True)
 robot.send_signal(2)
 print(json.dumps({'lead': json.loads(lead.stdout), 'robot': json.loads(robot.communicate()[0])}))
@@ -112,10 +112,10 @@ TEST(TeleopCommands, TheOperatorsSoilLearnsAndIsReplayedToTheLastBit) {
       std::filesystem::path(testing::TempDir()) / ("haptolith-learns-" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
   std::ofstream(folder / "learn.py") << R"(import subprocess, sys
-robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'dig-site', '--set', 'soil.radius_mm=8', '--set', 'soil.stiffness_n_m=3000',
+robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'teleop-site', '--set', 'soil.radius_mm=8', '--set', 'soil.stiffness_n_m=3000',
                           '--listen', '127.0.0.1:0', '--duration-s', '40'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
-lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'dig', '--set', 'soil.radius_mm=9', '--set', 'hand.period_s=24',
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'teleop-model', '--set', 'soil.radius_mm=9', '--set', 'hand.period_s=24',
                        '--to', '127.0.0.1:' + port, '--duration-s', '12', '--json', '--record', sys.argv[2]],
                       capture_output=True, text=True)
 robot.send_signal(2)
@@ -155,7 +155,7 @@ print(json.dumps({'reports': len(reports),
   EXPECT_LT(sides["furthest_m"].get<double>(), 3e-3) << "of the robot's tool from the operator's at the same tick";
   EXPECT_GT(sides["earliest_s"].get<double>(), -1e-9) << "none is heard before its command";
   const std::string recording = (folder / "icra2021.h5").string();
-  ASSERT_EQ(runHaptolith("run icra2021 --no-serve --unpaced --duration-s 0.05 --record " + recording).exit_status, 0);
+  ASSERT_EQ(runHaptolith("run icra2021 --no-serve --no-realtime --duration-s 0.05 --record " + recording).exit_status, 0);
   const ProgramResult none = runHaptolith("export " + recording + " --format robot-csv");
   EXPECT_EQ(none.exit_status, 1);
   EXPECT_THAT(none.errors, HasSubstr("no reports of a robot"));

@@ -34,7 +34,7 @@ install() {
 lookAt() {
   local hash of_program
   hash=$("$1/example_state_hash" icra2021)
-  of_program=$("$program" run icra2021 --unpaced --duration-s 1 --json 2> /dev/null |
+  of_program=$("$program" run icra2021 --no-realtime --duration-s 1 --json 2> /dev/null |
     sed -n 's/.*"state_hash": "\([0-9a-f]*\)".*/\1/p')
   [[ -n $hash && $hash == "$of_program" ]] || fail "state_hash printed '$hash', the program '$of_program'"
   "$1/example_dig" | tee "$work/dig.txt"

@@ -183,7 +183,7 @@ Handles alive(hapto_scene** loops_scene) {
   expectOk(hapto_batch_create(&h.scene, 1, 1, &h.batch));
   expectOk(hapto_soil_find("dry-sand", &h.soil));
   expectOk(hapto_soil_profile(h.soil, 1, 0.1, &h.result));
-  *loops_scene = sceneOf(kIcra2021, {"loop.paced=false"}).release();
+  *loops_scene = sceneOf(kIcra2021, {"loop.real_time=false"}).release();
   expectOk(hapto_loop_create(*loops_scene, nullptr, HAPTO_LOOP_TICKED_BY_CALLER | HAPTO_LOOP_KEEPS_TICKS, &h.loop));
   const hapto_device_limits limits = [] {
     hapto_device_limits made{};

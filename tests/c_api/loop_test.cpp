@@ -185,7 +185,7 @@ TEST(LibraryLoop, GivesTheSceneBackAsItWasAskedToBe) {
 }
 
 TEST(LibraryLoop, AnEndedLoopCannotBeStartedAgain) {
-  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false", "loop.duration_s=0.01"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.real_time=false", "loop.duration_s=0.01"});
   const LoopPtr loop = loopOf(scene.get(), nullptr, false);
   expectOk(hapto_loop_start(loop.get()));
   for (int i = 0; i < 500 && snapshotOf(loop.get()).running == 1; ++i) {
@@ -195,7 +195,7 @@ TEST(LibraryLoop, AnEndedLoopCannotBeStartedAgain) {
 }
 
 TEST(LibraryLoop, HasTheScenesOwnHandWithoutADevice) {
-  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false", "loop.duration_s=1.5"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.real_time=false", "loop.duration_s=1.5"});
   const LoopPtr loop = loopOf(scene.get(), nullptr, false);
   expectOk(hapto_loop_start(loop.get()));
   for (int i = 0; i < 2000 && snapshotOf(loop.get()).running == 1; ++i) {
@@ -206,12 +206,12 @@ TEST(LibraryLoop, HasTheScenesOwnHandWithoutADevice) {
 }
 
 TEST(LibraryLoop, AnImpossibleDeviceIsRefusedAndTheSceneGivenBack) {
-  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.real_time=false"});
   OwnDevice own;
   hapto_loop* loop = nullptr;
   hapto_device device = own.handle(false);
   EXPECT_EQ(hapto_loop_create(scene.get(), &device, 0, &loop), HAPTO_INVALID_PARAMETER);
-  EXPECT_STREQ(lastError().key, "loop.paced");
+  EXPECT_STREQ(lastError().key, "loop.real_time");
   device = own.handle(true);
   device.limits.max_force_n = -1;
   EXPECT_EQ(hapto_loop_create(scene.get(), &device, 1, &loop), HAPTO_INVALID_PARAMETER);

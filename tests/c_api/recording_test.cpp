@@ -198,7 +198,7 @@ TEST_F(LibraryRecording, GivesTicksAndPicturesBackAsTheyWere) {
 }
 
 TEST_F(LibraryRecording, OfALoopWithAThreadLosesNothingAndSaysWhyItEnded) {
-  const ScenePtr scene = sceneOf(kIcra2021, {"loop.paced=false", "loop.duration_s=3"});
+  const ScenePtr scene = sceneOf(kIcra2021, {"loop.real_time=false", "loop.duration_s=3"});
   const LoopPtr loop = loopOf(scene.get(), nullptr, HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES);
   const RecorderPtr recorder = recorderOf(loop.get(), file("run.h5"));
   expectOk(hapto_loop_start(loop.get()));

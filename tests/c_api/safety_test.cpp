@@ -80,10 +80,10 @@ TEST(LibrarySafety, RefusesWhatIsNotIts) {
     return hapto_safety_create(&limits, &override, 1, tick_s, stiffness_n_m, &safety);
   };
   EXPECT_EQ(made("bed.threads=2", 1e-3, 100), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(made("safety.calm_s=-1", 1e-3, 100), HAPTO_INVALID_PARAMETER);
-  EXPECT_STREQ(lastError().key, "safety.calm_s");
-  EXPECT_EQ(made("safety.calm_s=1", 1, 100), HAPTO_INVALID_PARAMETER);
-  EXPECT_EQ(made("safety.calm_s=1", 1e-3, -5), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(made("safety.recovery_s=-1", 1e-3, 100), HAPTO_INVALID_PARAMETER);
+  EXPECT_STREQ(lastError().key, "safety.recovery_s");
+  EXPECT_EQ(made("safety.recovery_s=1", 1, 100), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(made("safety.recovery_s=1", 1e-3, -5), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(safety, nullptr);
 }
 

@@ -21,7 +21,8 @@ class MovedFileTest : public testing::Test {
  protected:
   MovedFileTest() {
     fs::create_directories(folder_ / "scenes");
-    std::ofstream(folder_ / "scenes" / "dig.csv") << "1\n";
+    std::ofstream(folder_ / "scenes" / "sand.csv") << "1\n";
+    std::ofstream(folder_ / "scenes" / "plate-recorded.csv") << "2\n";
     reportFormerNames([this](std::string_view line) { reported_.emplace_back(line); });
   }
   ~MovedFileTest() override {
@@ -30,22 +31,28 @@ class MovedFileTest : public testing::Test {
   }
 
   const fs::path folder_ = fs::temp_directory_path() / ("haptolith-moved-file-test-" + std::to_string(getpid()));
-  const fs::path old_ = folder_ / "scenarios" / "dig.csv";
+  const fs::path old_ = folder_ / "scenarios" / "sand.csv";
   std::vector<std::string> reported_;
 };
 
 TEST_F(MovedFileTest, IsFoundWhereItIsNowWithOneNote) {
-  EXPECT_EQ(currentPath(old_), folder_ / "scenes" / "dig.csv");
+  EXPECT_EQ(currentPath(old_), folder_ / "scenes" / "sand.csv");
   EXPECT_TRUE(openInput(old_, 10).good());
-  EXPECT_THAT(reported_, ElementsAre(HasSubstr("scenarios/dig.csv is now ")));
+  EXPECT_THAT(reported_, ElementsAre(HasSubstr("scenarios/sand.csv is now ")));
+}
+
+TEST_F(MovedFileTest, IsFoundUnderItsNewName) {
+  for (const char* folder : {"scenarios", "scenes"}) {
+    EXPECT_EQ(currentPath(folder_ / folder / "plate-in-sand.csv"), folder_ / "scenes" / "plate-recorded.csv");
+  }
 }
 
 TEST_F(MovedFileTest, OtherPathsStayAsTheyAre) {
-  for (const fs::path& path : {folder_ / "scenes" / "dig.csv", folder_ / "scenarios" / "none.csv", fs::path("dig")}) {
+  for (const fs::path& path : {folder_ / "scenes" / "sand.csv", folder_ / "scenarios" / "none.csv", fs::path("sand")}) {
     EXPECT_EQ(currentPath(path), path);
   }
   fs::create_directory(folder_ / "scenarios");
-  std::ofstream(folder_ / "scenarios" / "dig.csv") << "my own\n";
+  std::ofstream(folder_ / "scenarios" / "sand.csv") << "my own\n";
   EXPECT_EQ(currentPath(old_), old_);
   EXPECT_THAT(reported_, ElementsAre());
 }

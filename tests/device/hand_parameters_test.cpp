@@ -49,7 +49,7 @@ TEST(HandParameters, NonsenseIsRefusedByName) {
                   [&](HandParameters& hand) { hand.home_m[axis] = std::numeric_limits<double>::quiet_NaN(); });
   }
   expectRefused("surface_m", [](HandParameters& hand) { hand.surface_m = 11; });
-  expectRefused("poses", [](HandParameters& hand) { hand.manoeuvre = Manoeuvre::kPoses; });
+  expectRefused("poses", [](HandParameters& hand) { hand.motion = HandMotion::kPoses; });
 }
 
 }  // namespace

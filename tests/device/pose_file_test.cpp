@@ -145,7 +145,7 @@ TEST_F(PoseFileTest, PositionsFarAwayAreRefused) {
 
 TEST_F(PoseFileTest, TheVirtualHandFollowsItAndSaysWhenItIsOver) {
   HandParameters parameters;
-  parameters.manoeuvre = Manoeuvre::kPoses;
+  parameters.motion = HandMotion::kPoses;
   parameters.compliance = HandCompliance::kRigid;
   parameters.poses_file = write(std::string(kHeader) + kTwo).string();
   VirtualHand hand(parameters, 0.01);

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "haptolith/core/error.h"
-#include "haptolith/device/hand/manoeuvre.h"
+#include "haptolith/device/hand/hand_motion.h"
 
 namespace haptolith {
 namespace {
@@ -15,7 +15,7 @@ constexpr double kTick_s = 1e-3;
 
 HandParameters still() {
   HandParameters hand;
-  hand.manoeuvre = Manoeuvre::kStill;
+  hand.motion = HandMotion::kStill;
   return hand;
 }
 
@@ -84,14 +84,14 @@ TEST(VirtualHand, StepResponseConvergesWithTheTick) {
   EXPECT_NEAR(worst(1e-3) / worst(0.5e-3), 2, 0.1);  // first order
 }
 
-TEST(VirtualHand, RigidFollowsTheManoeuvreExactlyWhateverItFeels) {
+TEST(VirtualHand, RigidFollowsTheMotionExactlyWhateverItFeels) {
   HandParameters parameters;
   parameters.compliance = HandCompliance::kRigid;
   VirtualHand hand(parameters, kTick_s);
-  Pose before = manoeuvrePose(parameters, 0);
+  Pose before = handMotionPose(parameters, 0);
   for (int tick = 1; tick <= 4000; ++tick) {
     const DeviceInput now = hand.read();
-    const Pose wanted = manoeuvrePose(parameters, tick * kTick_s);
+    const Pose wanted = handMotionPose(parameters, tick * kTick_s);
     ASSERT_EQ(now.pose.position_m, wanted.position_m);
     ASSERT_EQ(now.pose.orientation.coeffs(), wanted.orientation.coeffs());
     ASSERT_LT((now.twist.linear_m_s - (wanted.position_m - before.position_m) / kTick_s).norm(), 1e-12);
@@ -105,14 +105,14 @@ TEST(VirtualHand, RigidFollowsTheManoeuvreExactlyWhateverItFeels) {
   }
 }
 
-TEST(VirtualHand, AFreeArmFollowsItsManoeuvreClosely) {
-  for (const Manoeuvre manoeuvre : {Manoeuvre::kPress, Manoeuvre::kStir, Manoeuvre::kScoop, Manoeuvre::kCarry}) {
+TEST(VirtualHand, AFreeArmFollowsItsMotionClosely) {
+  for (const HandMotion motion : {HandMotion::kPress, HandMotion::kStir, HandMotion::kScoop, HandMotion::kCarry}) {
     HandParameters parameters;
-    parameters.manoeuvre = manoeuvre;
+    parameters.motion = motion;
     VirtualHand hand(parameters, kTick_s);
     for (int tick = 1; tick <= 8000; ++tick) {
       const DeviceInput now = hand.read();
-      const Pose wanted = manoeuvrePose(parameters, tick * kTick_s);
+      const Pose wanted = handMotionPose(parameters, tick * kTick_s);
       // m x_d'' / K with 5.774 * 0.08 m / (0.32 s)^2 = 4.5 m/s^2: 18 mm, and a little for the swing.
       ASSERT_LT((now.pose.position_m - wanted.position_m).norm(), 0.03) << tick;
       ASSERT_NEAR(now.pose.orientation.norm(), 1, 1e-12);
@@ -146,7 +146,7 @@ TEST(VirtualHand, RefusesWrongParametersAndMissingFiles) {
   hand.mass_kg = 0;
   EXPECT_THROW((VirtualHand{hand, kTick_s}), InvalidParameter);
   hand = {};
-  hand.manoeuvre = Manoeuvre::kPoses;
+  hand.motion = HandMotion::kPoses;
   hand.poses_file = "/nowhere/poses.csv";
   EXPECT_THROW((VirtualHand{hand, kTick_s}), InvalidParameter);
 }
@@ -184,13 +184,13 @@ TEST(VirtualHand, WhoeverHoldsTheToolCannotForceItThroughWhatIsStrongerThanTheDe
   EXPECT_LT(after(hand, 1000).pose.position_m.z(), start.z());
 }
 
-TEST(VirtualHand, AManoeuvreBeginsAnewFromWhereSomebodyLeftTheTool) {
+TEST(VirtualHand, AMotionBeginsAnewFromWhereSomebodyLeftTheTool) {
   HandParameters parameters;
   parameters.surface_m = 0.04;
   VirtualHand hand(parameters, kTick_s);
   hand.command({.held = Pose{Vec3(-0.05, 0.05, 0.03)}, .surface_m = 0.04});
   DeviceInput now = after(hand, 2000);
-  hand.command({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
+  hand.command({.motion = HandMotion::kStir, .surface_m = 0.04, .beginnings = 1});
   double fastest = 0;
   for (int i = 0; i < 1000; ++i) {
     now = hand.read();
@@ -199,9 +199,9 @@ TEST(VirtualHand, AManoeuvreBeginsAnewFromWhereSomebodyLeftTheTool) {
   EXPECT_LT(fastest, 0.35) << "it is led back, not flung";
   // One second later it stirs as a hand that has stirred from the first tick.
   HandParameters stir = parameters;
-  stir.manoeuvre = Manoeuvre::kStir;
+  stir.motion = HandMotion::kStir;
   now = after(hand, 3000);
-  const Pose there = manoeuvrePose(stir, 3.0);
+  const Pose there = handMotionPose(stir, 3.0);
   EXPECT_LT((now.pose.position_m - there.position_m).norm(), 0.01);
 }
 

@@ -41,7 +41,7 @@ def a_folder_with_the_package(tmp_path_factory):
 @pytest.fixture(name="program")
 def a_running_program(tmp_path):
     """A scoop that is watched by who knows the token: (address of its WebSocket, a function that ends it and gives its summary)."""
-    process = subprocess.Popen([os.environ["HAPTOLITH"], "run", "icra2021", "--hand", "scoop", "--serve", "--port", "0", "--json"],
+    process = subprocess.Popen([os.environ["HAPTOLITH"], "run", "icra2021", "--motion", "scoop", "--serve", "--port", "0", "--json"],
                                cwd=tmp_path, env={**os.environ, "HAPTOLITH_TOKEN": TOKEN}, text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 

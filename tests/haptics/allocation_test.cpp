@@ -24,15 +24,15 @@ TEST(Allocation, TheCounterCounts) {
 }
 
 /// Runs a number of ticks of a motion; returns the allocations between the first tick and the last.
-long allocationsIn(int ticks, const BedParameters& bed, Manoeuvre manoeuvre, HandCompliance compliance) {
+long allocationsIn(int ticks, const BedParameters& bed, HandMotion motion, HandCompliance compliance) {
   Scene scene(bed, {});
   HandParameters hand_parameters;
-  hand_parameters.manoeuvre = manoeuvre;
+  hand_parameters.motion = motion;
   hand_parameters.compliance = compliance;
   hand_parameters.surface_m = scene.bed().surfaceHeight();
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   HapticLoop loop(scene, hand, loop_parameters, true);
   const std::uint64_t list_rebuilds = scene.bed().listRebuilds();
   const long before = allocations;
@@ -50,9 +50,9 @@ long allocationsIn(int ticks, const BedParameters& bed, Manoeuvre manoeuvre, Han
 TEST(Allocation, ATickAllocatesNothing) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
-  EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kScoop, HandCompliance::kArm), 0);
-  EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kStir, HandCompliance::kArm), 0);
-  EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
+  EXPECT_EQ(allocationsIn(5000, bed, HandMotion::kScoop, HandCompliance::kArm), 0);
+  EXPECT_EQ(allocationsIn(5000, bed, HandMotion::kStir, HandCompliance::kArm), 0);
+  EXPECT_EQ(allocationsIn(5000, bed, HandMotion::kStir, HandCompliance::kRigid), 0);
 }
 
 TEST(Allocation, ATickWithContactFrictionAllocatesNothing) {
@@ -61,8 +61,8 @@ TEST(Allocation, ATickWithContactFrictionAllocatesNothing) {
   bed.soil.friction = FrictionModel::kContact;
   bed.soil.contact_cohesion_n = 0.003;
   bed.soil.size_spread = 0.05;
-  EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
-  EXPECT_EQ(allocationsIn(5000, bed, Manoeuvre::kScoop, HandCompliance::kRigid), 0);
+  EXPECT_EQ(allocationsIn(5000, bed, HandMotion::kStir, HandCompliance::kRigid), 0);
+  EXPECT_EQ(allocationsIn(5000, bed, HandMotion::kScoop, HandCompliance::kRigid), 0);
 }
 
 TEST(Allocation, ATickWithGrainsOfSeveralSizesAllocatesNothing) {
@@ -72,7 +72,7 @@ TEST(Allocation, ATickWithGrainsOfSeveralSizesAllocatesNothing) {
   bed.grading.fine_radius_m = bed.soil.radius_m / 4;
   bed.grading.fine_width_m = bed.grading.fine_length_m = 0.03;
   bed.grading.fine_depth_m = 0.01;
-  EXPECT_EQ(allocationsIn(1500, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);
+  EXPECT_EQ(allocationsIn(1500, bed, HandMotion::kStir, HandCompliance::kRigid), 0);
 }
 
 TEST(Allocation, ATickOnSeveralThreadsAllocatesNothing) {
@@ -82,7 +82,8 @@ TEST(Allocation, ATickOnSeveralThreadsAllocatesNothing) {
   bed.depth_m = 0.12;
   bed.width_m = bed.length_m = 0.16;
   bed.threads = 2;
-  EXPECT_EQ(allocationsIn(1200, bed, Manoeuvre::kStir, HandCompliance::kRigid), 0);  // the blade is in the soil by then
+  EXPECT_EQ(allocationsIn(1200, bed, HandMotion::kStir, HandCompliance::kRigid),
+            0);  // the blade is in the soil by then
 }
 
 /// A box of 40 mm that is known by its mesh alone.
@@ -105,7 +106,7 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
   hand_parameters.surface_m = scene.bed().surfaceHeight();
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   HapticLoop loop(scene, hand, loop_parameters, false);
   const LoopRequest requests[] = {request::Speed{0.5},
                                   request::Gravity{Vec3(0, 0, -3)},
@@ -125,7 +126,7 @@ TEST(Allocation, WhatIsAskedOfTheLoopAllocatesNothing) {
     for (int i = 0; i < 300; ++i) {
       (void)loop.tick();
     }
-    hand.command({.manoeuvre = Manoeuvre::kStir, .surface_m = 0.04, .beginnings = 1});
+    hand.command({.motion = HandMotion::kStir, .surface_m = 0.04, .beginnings = 1});
     for (int i = 0; i < 300; ++i) {
       (void)loop.tick();
     }
@@ -139,10 +140,10 @@ TEST(Allocation, ALoopWithoutItsRecorderAllocatesNothingEither) {
   bed.soil = findPreset("P4").soil;
   Scene scene(bed, {});
   HandParameters hand_parameters;
-  hand_parameters.manoeuvre = Manoeuvre::kStill;
+  hand_parameters.motion = HandMotion::kStill;
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   HapticLoop loop(scene, hand, loop_parameters, true);
   const long before = allocations;
   for (int i = 0; i < 10'000; ++i) {  // 8192 records have room

@@ -104,22 +104,22 @@ BedParameters icra2021Bed() {
   return bed;
 }
 
-LoopParameters unpaced(double duration_s = 0) {
+LoopParameters asFastAsPossible(double duration_s = 0) {
   LoopParameters loop;
-  loop.paced = false;
+  loop.real_time = false;
   loop.duration_s = duration_s;
   return loop;
 }
 
 /// A loop, what it joins, and how it went.
 struct Bench {
-  explicit Bench(const LoopParameters& parameters = unpaced(), const HandlingParameters& handling = {})
+  explicit Bench(const LoopParameters& parameters = asFastAsPossible(), const HandlingParameters& handling = {})
       : scene(icra2021Bed(), {}),
         device(scene.bed().surfaceHeight()),
         loop(std::make_unique<HapticLoop>(scene, device, parameters, true, handling)) {}
 
   /// With a device that has been changed since.
-  void renew(const LoopParameters& parameters = unpaced()) {
+  void renew(const LoopParameters& parameters = asFastAsPossible()) {
     loop = std::make_unique<HapticLoop>(scene, device, parameters, true);
   }
 
@@ -328,12 +328,12 @@ TEST(FaultTable, MoreThanTwentyMissedDeadlines) {
 TEST(FaultTable, TheLoopHangsAndTheWatchdogLetsGoBeforeItIsOver) {
   constexpr std::int64_t kHang_ns = 300'000'000;
   constexpr int kHangsAt = 300;
-  LoopParameters paced;
-  paced.duration_s = 1;
+  LoopParameters real_time;
+  real_time.duration_s = 1;
   HandlingParameters handling;
   handling.safety.soft_start_s = 0.05;
-  handling.safety.calm_s = 0.3;
-  Bench bench(paced, handling);
+  handling.safety.recovery_s = 0.3;
+  Bench bench(real_time, handling);
   std::int64_t hangs_ns = 0, over_ns = 0;
   std::int64_t let_go_ns = 0;
   std::size_t written = 0;
@@ -398,7 +398,7 @@ TEST(FaultTable, AStopWhileTheDeviceIsSilentEndsTheRunAllTheSame) {
 
 TEST(FaultTable, TheEndOfTheTimeAskedForIsASoftStop) {
   Bench bench;
-  bench.loop = std::make_unique<HapticLoop>(bench.scene, bench.device, unpaced(2.5), false);
+  bench.loop = std::make_unique<HapticLoop>(bench.scene, bench.device, asFastAsPossible(2.5), false);
   EXPECT_EQ(bench.loop->run(kNeverStop), LoopEnd::kDuration);
   EXPECT_TRUE(bench.device.feelsNothing());
   const int zero_after = ticksToNothing(bench.device.forces_n) - kPressed;
@@ -408,11 +408,11 @@ TEST(FaultTable, TheEndOfTheTimeAskedForIsASoftStop) {
 
 TEST(FaultTable, AnErrorOnTheOtherSideLetsGoOfTheHandBeforeAnybodyHearsOfIt) {
   Bench bench;
-  bench.loop = std::make_unique<HapticLoop>(bench.scene, bench.device, unpaced(), false);
+  bench.loop = std::make_unique<HapticLoop>(bench.scene, bench.device, asFastAsPossible(), false);
   std::atomic<bool> stop{false}, pressed{false};
   bench.device.spoil = [&pressed](int tick, DeviceInput&) { pressed = pressed || tick == kPressed; };
   try {
-    const LoopThread thread(*bench.loop, unpaced(), stop);
+    const LoopThread thread(*bench.loop, asFastAsPossible(), stop);
     while (!pressed) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -462,7 +462,7 @@ TEST(FaultTable, ACrashInTheLoopLetsGoOfTheHand) {
   if (child == 0) {
     PipedDevice device(ends[1]);
     Scene scene(icra2021Bed(), {});
-    HapticLoop loop(scene, device, unpaced(1), false);
+    HapticLoop loop(scene, device, asFastAsPossible(1), false);
     const LastResort last_resort(device);
     (void)loop.run(kNeverStop);
     _exit(0);

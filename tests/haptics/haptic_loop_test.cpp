@@ -31,9 +31,9 @@ BedParameters icra2021Bed() {
   return bed;
 }
 
-LoopParameters unpaced(double duration_s) {
+LoopParameters asFastAsPossible(double duration_s) {
   LoopParameters loop;
-  loop.paced = false;
+  loop.real_time = false;
   loop.duration_s = duration_s;
   return loop;
 }
@@ -90,7 +90,7 @@ const std::atomic<bool> kNeverStop{false};
 TEST(HapticLoop, RunsForTheTimeAskedForAndLetsGo) {
   Scene scene(icra2021Bed(), {});
   FakeDevice device(pushing);
-  HapticLoop loop(scene, device, unpaced(0.2), false);
+  HapticLoop loop(scene, device, asFastAsPossible(0.2), false);
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
   EXPECT_EQ(loop.statistics().ticks(), 200U);
   EXPECT_NEAR(loop.time(), 0.2, 1e-12);
@@ -109,7 +109,7 @@ TEST(HapticLoop, TheHandFeelsTheFilteredAndLimitedWrenchOfTheSoil) {
   Scene scene(icra2021Bed(), {});
   FakeDevice device(pushing);
   device.limits_ = {.max_force_n = 0.3, .max_torque_nm = 0.001};
-  HapticLoop loop(scene, device, unpaced(0), true);
+  HapticLoop loop(scene, device, asFastAsPossible(0), true);
   WrenchFilter filter(30, kTick_s);
   QuickMovement quick(kTick_s);
   std::vector<TickRecord> records;
@@ -143,7 +143,7 @@ TEST(HapticLoop, AToolWithAMassIsFeltWithItsWeightAndNobodyDampsIt) {
   tool.centre_of_mass_m = Vec3(0.03, 0, -0.01);
   Scene scene(icra2021Bed(), tool);
   FakeDevice device(lifting);
-  HapticLoop loop(scene, device, unpaced(0), true);
+  HapticLoop loop(scene, device, asFastAsPossible(0), true);
   const double weight_n = 0.2 * 1.625;
   for (int tick = 0; tick < 5000; ++tick) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
@@ -168,7 +168,7 @@ TEST(HapticLoop, AVirtualCouplingAlsoShowsTheInertiaOfAToolWithAMass) {
   FakeDevice device(lifting);
   HandlingParameters handling;
   handling.coupling.kind = CouplingKind::kVirtual;
-  HapticLoop loop(scene, device, unpaced(0), false, handling);
+  HapticLoop loop(scene, device, asFastAsPossible(0), false, handling);
   double most_n = -1e9, least_n = 1e9;
   for (int tick = 0; tick < 4000; ++tick) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
@@ -191,7 +191,7 @@ TEST(HapticLoop, AStopFlagEndsItAndTheHandIsLetGo) {
     stop = tick == 149;
     return pushing(tick);
   });
-  HapticLoop loop(scene, device, unpaced(0), false);
+  HapticLoop loop(scene, device, asFastAsPossible(0), false);
   EXPECT_EQ(loop.run(stop), LoopEnd::kStopped);
   EXPECT_EQ(loop.statistics().ticks(), 150U);
   EXPECT_GT(device.largest_force_n_, 0.1);
@@ -222,7 +222,7 @@ TEST(HapticLoop, AHandThatIsNoNumberOrFarAwayEndsItAndIsLetGo) {
         }
         return input;
       });
-      HapticLoop loop(scene, device, unpaced(0), false);
+      HapticLoop loop(scene, device, asFastAsPossible(0), false);
       LoopEnd end = LoopEnd::kRunning;
       if (through_run) {
         end = loop.run(kNeverStop);
@@ -249,7 +249,7 @@ TEST(HapticLoop, ABedThatIsNoNumberEndsItAndTheHandIsLetGo) {
     }
     return input;
   });
-  HapticLoop loop(scene, device, unpaced(0), false);
+  HapticLoop loop(scene, device, asFastAsPossible(0), false);
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kNotFinite);
   EXPECT_TRUE(isZero(device.last_));
 }
@@ -259,13 +259,13 @@ TEST(HapticLoop, APoseFilesEndEndsIt) {
       std::filesystem::temp_directory_path() / ("haptolith_loop_" + std::to_string(getpid()) + ".csv");
   std::ofstream(path) << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0.1,1,0,0,0\n0.25,0,0,0.035,1,0,0,0\n";
   HandParameters hand;
-  hand.manoeuvre = Manoeuvre::kPoses;
+  hand.motion = HandMotion::kPoses;
   hand.compliance = HandCompliance::kRigid;
   hand.poses_file = path.string();
   VirtualHand device(hand, kTick_s);
   std::filesystem::remove(path);
   Scene scene(icra2021Bed(), {});
-  HapticLoop loop(scene, device, unpaced(10), true);
+  HapticLoop loop(scene, device, asFastAsPossible(10), true);
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kFinished);
   EXPECT_EQ(loop.statistics().ticks(), 251U);  // the last one goes past the end
   std::vector<TickRecord> records;
@@ -278,7 +278,7 @@ TEST(HapticLoop, RecordsAreCompleteAndInOrder) {
   HandParameters hand;
   hand.surface_m = scene.bed().surfaceHeight();
   VirtualHand device(hand, kTick_s);
-  HapticLoop loop(scene, device, unpaced(12), true);  // more than the queue holds: the loop waits for us
+  HapticLoop loop(scene, device, asFastAsPossible(12), true);  // more than the queue holds: the loop waits for us
   LoopEnd end = LoopEnd::kRunning;
   std::atomic<bool> done{false};
   std::thread runner([&] {
@@ -305,7 +305,7 @@ TEST(HapticLoop, RecordsAreCompleteAndInOrder) {
 TEST(HapticLoop, WithoutAListenerItKeepsNoRecordsAndWaitsForNobody) {
   Scene scene(icra2021Bed(), {});
   FakeDevice device(above);
-  HapticLoop loop(scene, device, unpaced(9), false);  // more ticks than the queue has places
+  HapticLoop loop(scene, device, asFastAsPossible(9), false);  // more ticks than the queue has places
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
   std::vector<TickRecord> records;
   loop.takeRecords(records);
@@ -316,7 +316,7 @@ TEST(HapticLoop, WithoutAListenerItKeepsNoRecordsAndWaitsForNobody) {
 TEST(HapticLoop, SnapshotsShowTheScene) {
   Scene scene(icra2021Bed(), {});
   FakeDevice device(pushing);
-  HapticLoop loop(scene, device, unpaced(0), false);
+  HapticLoop loop(scene, device, asFastAsPossible(0), false);
   int seen = 0;
   for (int i = 0; i < 160; ++i) {
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
@@ -343,7 +343,7 @@ TEST(HapticLoop, SnapshotsOfALargeBedAreCopiedBitByBit) {
   const std::size_t n = scene.bed().particles();
   ASSERT_GT(n, 5000U);
   FakeDevice device(pushing);
-  HapticLoop loop(scene, device, unpaced(0), false);
+  HapticLoop loop(scene, device, asFastAsPossible(0), false);
   const auto same = [](const Float4& a, const Float4& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
   const auto part = static_cast<std::ptrdiff_t>(n / 16 - 2 * kGroup);  // it is whole groups that are copied
   std::vector<Float4> first_of_cycle;
@@ -376,7 +376,7 @@ TEST(HapticLoop, SnapshotsOfALargeBedAreCopiedBitByBit) {
   EXPECT_EQ(seen, 10);
 }
 
-TEST(HapticLoop, APacedLoopKeepsStepWithTheClock) {
+TEST(HapticLoop, ALoopInRealTimeKeepsStepWithTheClock) {
   Scene scene(icra2021Bed(), {});
   FakeDevice device(above);
   LoopParameters parameters;
@@ -442,7 +442,7 @@ TEST(HapticLoop, TheToolBeginsWhereTheHandIs) {
     input.pose.position_m = Vec3(0, 0, 0.032);  // clear of the soil, but halfway to the origin is not
     return input;
   });
-  HapticLoop loop(scene, device, unpaced(0.05), true);
+  HapticLoop loop(scene, device, asFastAsPossible(0.05), true);
   EXPECT_EQ(loop.run(kNeverStop), LoopEnd::kDuration);
   std::vector<TickRecord> records;
   loop.takeRecords(records);
@@ -479,7 +479,7 @@ TEST(HapticLoop, SoilIsAdjustedAStepATickAndEachTickSaysSo) {
   bed.soil.contact_cohesion_n = 0.01;
   Scene scene(bed, {});
   FakeDevice device(above);
-  HapticLoop loop(scene, device, unpaced(0), true);
+  HapticLoop loop(scene, device, asFastAsPossible(0), true);
   const auto adjust = [&](double friction) {
     SoilParameters soil = bed.soil;
     soil.contact_friction = friction;
@@ -511,7 +511,7 @@ TEST(HapticLoop, GrainsAreMovedOneATickAndEachTickSaysSo) {
     input.pose.position_m = {0, 0, 0.5};
     return input;
   });
-  HapticLoop loop(scene, device, unpaced(0), true);
+  HapticLoop loop(scene, device, asFastAsPossible(0), true);
   const auto x = [&](std::size_t grain) { return scene.bed().state().position[grain].x; };
   for (const int grain : {0, 1}) {
     const Float4& at = scene.bed().state().position[static_cast<std::size_t>(grain)];

@@ -19,20 +19,20 @@ struct Outcome {
   std::uint64_t list_rebuilds = 0;
 };
 
-/// Sixty seconds of a manoeuvre, the last five or more with the hand away.
-Outcome minuteOf(Manoeuvre manoeuvre, HandCompliance compliance) {
+/// Sixty seconds of a motion, the last five or more with the hand away.
+Outcome minuteOf(HandMotion motion, HandCompliance compliance) {
   BedParameters bed;
   bed.soil = findPreset("P4").soil;
   Scene scene(bed, {});
   HandParameters hand_parameters;
-  hand_parameters.manoeuvre = manoeuvre;
+  hand_parameters.motion = motion;
   hand_parameters.compliance = compliance;
   hand_parameters.surface_m = scene.bed().surfaceHeight();
   hand_parameters.period_s = 5;
   hand_parameters.active_s = 55;  // eleven rounds, then 5 s in which everything has to settle
   VirtualHand hand(hand_parameters, bed.tick_s);
   LoopParameters loop_parameters;
-  loop_parameters.paced = false;
+  loop_parameters.real_time = false;
   loop_parameters.duration_s = 60;
   HapticLoop loop(scene, hand, loop_parameters, false);
   const std::atomic<bool> stop{false};
@@ -50,7 +50,7 @@ Outcome minuteOf(Manoeuvre manoeuvre, HandCompliance compliance) {
           scene.bed().listRebuilds()};
 }
 
-class Icra2021Scene : public testing::TestWithParam<Manoeuvre> {};
+class Icra2021Scene : public testing::TestWithParam<HandMotion> {};
 
 TEST_P(Icra2021Scene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
   const Outcome first = minuteOf(GetParam(), HandCompliance::kArm);
@@ -64,11 +64,11 @@ TEST_P(Icra2021Scene, AMinuteLosesNobodyComesToRestAndIsTheSameTwice) {
   EXPECT_EQ(first.hash, second.hash);
 }
 
-INSTANTIATE_TEST_SUITE_P(Manoeuvres, Icra2021Scene, testing::Values(Manoeuvre::kScoop, Manoeuvre::kStir),
-                         [](const auto& manoeuvre) { return manoeuvre.param == Manoeuvre::kScoop ? "Scoop" : "Stir"; });
+INSTANTIATE_TEST_SUITE_P(Motions, Icra2021Scene, testing::Values(HandMotion::kScoop, HandMotion::kStir),
+                         [](const auto& motion) { return motion.param == HandMotion::kScoop ? "Scoop" : "Stir"; });
 
 TEST(Icra2021SceneHeldRigid, AMinuteOfStirringLosesNobody) {
-  const Outcome outcome = minuteOf(Manoeuvre::kStir, HandCompliance::kRigid);
+  const Outcome outcome = minuteOf(HandMotion::kStir, HandCompliance::kRigid);
   EXPECT_LT(outcome.speed_m_s, 1e-4);
 }
 

@@ -54,9 +54,9 @@ BedParameters icra2021Bed() {
   return bed;
 }
 
-LoopParameters unpaced() {
+LoopParameters asFastAsPossible() {
   LoopParameters loop;
-  loop.paced = false;
+  loop.real_time = false;
   return loop;
 }
 
@@ -68,9 +68,10 @@ HandParameters scooping() {
 
 /// A scene that is stirred.
 struct Stirred {
-  explicit Stirred(const BedParameters& bed = icra2021Bed()) : scene(bed, {}), loop(scene, device, unpaced(), false) {}
+  explicit Stirred(const BedParameters& bed = icra2021Bed())
+      : scene(bed, {}), loop(scene, device, asFastAsPossible(), false) {}
   Stirred(const BedParameters& bed, const std::vector<Vec3>& centres_m)
-      : scene(bed, {}, centres_m), loop(scene, device, unpaced(), false) {}
+      : scene(bed, {}, centres_m), loop(scene, device, asFastAsPossible(), false) {}
 
   void ticks(int count) {
     for (int i = 0; i < count; ++i) {
@@ -121,7 +122,7 @@ TEST(LoopRequest, ASimulatedHandMovesTheSameWithAndWithoutPauses) {
   struct Scooped {
     Scene scene{icra2021Bed(), {}};
     VirtualHand hand{scooping(), 1e-3};
-    HapticLoop loop{scene, hand, unpaced(), false};
+    HapticLoop loop{scene, hand, asFastAsPossible(), false};
   };
   Scooped paused;
   Scooped never;

@@ -52,14 +52,14 @@ class LoopThreadTest : public testing::Test {
 };
 
 TEST_F(LoopThreadTest, IsPinnedBeforeTheFirstTick) {
-  for (const bool paced : {true, false}) {
-    const LoopParameters parameters{.duration_s = 0.02, .paced = paced, .cpu = sched_getcpu()};
+  for (const bool real_time : {true, false}) {
+    const LoopParameters parameters{.duration_s = 0.02, .real_time = real_time, .cpu = sched_getcpu()};
     CpuWitness device;
     HapticLoop loop(scene_, device, parameters, false);
     LoopThread thread(loop, parameters, stop_);
     EXPECT_EQ(thread.join(), LoopEnd::kDuration);
     EXPECT_EQ(thread.realTime().cpu, parameters.cpu);
-    EXPECT_TRUE(device.onlyOn(parameters.cpu)) << (paced ? "paced" : "unpaced");
+    EXPECT_TRUE(device.onlyOn(parameters.cpu)) << (real_time ? "in real time" : "not in real time");
   }
 }
 

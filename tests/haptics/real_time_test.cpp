@@ -54,8 +54,8 @@ Prepared prepare(const LoopParameters& loop) {
 TEST(RealTime, PinsTheThreadToTheCpuThatIsNamedAndNoOtherThread) {
   const std::vector<int> before = affinity();
   for (const int cpu : {before.front(), before.back()}) {
-    for (const bool paced : {false, true}) {
-      const Prepared thread = prepare({.paced = paced, .cpu = cpu});
+    for (const bool real_time : {false, true}) {
+      const Prepared thread = prepare({.real_time = real_time, .cpu = cpu});
       EXPECT_EQ(thread.cpus, std::vector<int>{cpu});
       EXPECT_EQ(thread.granted.cpu, cpu);
     }
@@ -77,15 +77,15 @@ TEST(RealTime, SaysWhatTheThreadReallyGot) {
   }
 }
 
-TEST(RealTime, AsksForNothingWhenTheLoopIsNotPaced) {
-  const Prepared thread = prepare({.paced = false});
+TEST(RealTime, AsksForNothingWhenTheLoopIsNotInRealTime) {
+  const Prepared thread = prepare({.real_time = false});
   EXPECT_EQ(thread.scheduler, SCHED_OTHER);
   EXPECT_FALSE(thread.granted.memory_locked);
   EXPECT_EQ(thread.granted.advice, "");
 }
 
 TEST(RealTime, ACpuThatCannotBeHadIsTold) {
-  const Prepared thread = prepare({.paced = false, .cpu = CPU_SETSIZE - 1});
+  const Prepared thread = prepare({.real_time = false, .cpu = CPU_SETSIZE - 1});
   EXPECT_EQ(thread.granted.cpu, kAnyCpu);
   EXPECT_THAT(thread.granted.advice, HasSubstr("not pinned to CPU 1023"));
 }
@@ -117,10 +117,10 @@ TEST(RequireUsableCpu, TakesACpuThatMustBeAskedFor) {
     GTEST_SKIP() << "there is only one CPU";
   }
   std::thread([&] {
-    (void)requestRealTime({.paced = false, .cpu = usable.front()});
+    (void)requestRealTime({.real_time = false, .cpu = usable.front()});
     EXPECT_EQ(refusal(usable.back()), "");
     EXPECT_EQ(affinity(), std::vector<int>{usable.front()}) << "asking pins nobody";
-    EXPECT_EQ(requestRealTime({.paced = false, .cpu = usable.back()}).cpu, usable.back());
+    EXPECT_EQ(requestRealTime({.real_time = false, .cpu = usable.back()}).cpu, usable.back());
   }).join();
 }
 

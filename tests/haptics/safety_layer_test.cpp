@@ -82,7 +82,7 @@ TEST(SafetyLayer, WhateverHappensForcesStayWithinTheLimitsAndJumpToNothingOnly) 
   for (const bool simulated : {true, false}) {
     SafetyParameters parameters;
     parameters.soft_start_s = 0.05;
-    parameters.calm_s = 0.02;
+    parameters.recovery_s = 0.02;
     SafetyLayer safety(parameters, small(), simulated, kStorage_n_m, kTick_s);
     std::mt19937_64 random(5);
     const auto any = [&random] { return Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random)); };
@@ -384,13 +384,20 @@ TEST(SafetyLayer, EveryTripHasAText) {
 
 TEST(SafetyLayer, RefusesNonsense) {
   const std::function<void(SafetyParameters&)> spoils[] = {
-      [](SafetyParameters& s) { s.soft_start_s = -1; },  [](SafetyParameters& s) { s.soft_start_s = kNaN; },
-      [](SafetyParameters& s) { s.soft_start_s = 61; },  [](SafetyParameters& s) { s.soft_stop_s = -1; },
-      [](SafetyParameters& s) { s.soft_stop_s = 6; },    [](SafetyParameters& s) { s.most_misses = 0; },
-      [](SafetyParameters& s) { s.most_misses = 1001; }, [](SafetyParameters& s) { s.heartbeat_s = 1e-3; },
-      [](SafetyParameters& s) { s.heartbeat_s = kNaN; }, [](SafetyParameters& s) { s.heartbeat_s = 2; },
-      [](SafetyParameters& s) { s.calm_s = -0.1; },      [](SafetyParameters& s) { s.max_force_n = -1; },
-      [](SafetyParameters& s) { s.max_force_n = kNaN; }, [](SafetyParameters& s) { s.max_torque_nm = 1001; },
+      [](SafetyParameters& s) { s.soft_start_s = -1; },
+      [](SafetyParameters& s) { s.soft_start_s = kNaN; },
+      [](SafetyParameters& s) { s.soft_start_s = 61; },
+      [](SafetyParameters& s) { s.soft_stop_s = -1; },
+      [](SafetyParameters& s) { s.soft_stop_s = 6; },
+      [](SafetyParameters& s) { s.max_missed_deadlines = 0; },
+      [](SafetyParameters& s) { s.max_missed_deadlines = 1001; },
+      [](SafetyParameters& s) { s.watchdog_timeout_s = 1e-3; },
+      [](SafetyParameters& s) { s.watchdog_timeout_s = kNaN; },
+      [](SafetyParameters& s) { s.watchdog_timeout_s = 2; },
+      [](SafetyParameters& s) { s.recovery_s = -0.1; },
+      [](SafetyParameters& s) { s.max_force_n = -1; },
+      [](SafetyParameters& s) { s.max_force_n = kNaN; },
+      [](SafetyParameters& s) { s.max_torque_nm = 1001; },
   };
   int number = 0;
   for (const auto& spoil : spoils) {

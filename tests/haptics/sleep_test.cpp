@@ -53,7 +53,7 @@ struct Stirred {
 
   static HandParameters stirring() {
     HandParameters hand;
-    hand.manoeuvre = Manoeuvre::kStir;
+    hand.motion = HandMotion::kStir;
     hand.surface_m = 0.05;
     return hand;
   }

@@ -84,11 +84,11 @@ void pressForAMinute(Felt& felt) {
   Scene scene(bed, {});
   PressingDevice device(felt, scene.bed().surfaceHeight());
   HandlingParameters handling;
-  handling.safety.calm_s = 0.05;
+  handling.safety.recovery_s = 0.05;
   handling.safety.soft_start_s = 0.1;
-  LoopParameters paced;
-  paced.duration_s = 60;
-  HapticLoop loop(scene, device, paced, false, handling);
+  LoopParameters real_time;
+  real_time.duration_s = 60;
+  HapticLoop loop(scene, device, real_time, false, handling);
   const std::atomic<bool> never{false};
   (void)loop.run(never);
 }

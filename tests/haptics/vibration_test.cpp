@@ -121,13 +121,13 @@ TEST(BuriedShovelWithALowPassAlone, Vibrates) {  // the case that the test above
   EXPECT_GT(arm.vibration(), 1e-4);
 }
 
-class Digging : public testing::TestWithParam<Manoeuvre> {};
+class Digging : public testing::TestWithParam<HandMotion> {};
 
 // Letting the hand's own movement through must not feel like a viscous soil, nor take away from a load that is lifted.
 TEST_P(Digging, FeelsAsALowPassAloneWouldShowIt) {
   Scene scene(BedParameters{}, ToolParameters{});
   HandParameters parameters;
-  parameters.manoeuvre = GetParam();
+  parameters.motion = GetParam();
   parameters.surface_m = scene.bed().surfaceHeight();
   VirtualHand hand(parameters, kTick_s);
   HapticLoop loop(scene, hand, LoopParameters{}, true);
@@ -149,7 +149,7 @@ TEST_P(Digging, FeelsAsALowPassAloneWouldShowIt) {
   EXPECT_LT(apart / expected, 0.115);
 }
 
-INSTANTIATE_TEST_SUITE_P(Manoeuvres, Digging, testing::Values(Manoeuvre::kStir, Manoeuvre::kScoop, Manoeuvre::kCarry));
+INSTANTIATE_TEST_SUITE_P(Motions, Digging, testing::Values(HandMotion::kStir, HandMotion::kScoop, HandMotion::kCarry));
 
 }  // namespace
 }  // namespace haptolith

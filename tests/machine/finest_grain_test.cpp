@@ -69,7 +69,7 @@ class FinestGrainHere : public testing::Test {
 };
 
 TEST_F(FinestGrainHere, IsMeasuredInTheBoxOfTheBed) {
-  const FinestGrain found = finestGrain(bed_, {}, {.paced = false}, kOneThread, stop_);
+  const FinestGrain found = finestGrain(bed_, {}, {.real_time = false}, kOneThread, stop_);
   EXPECT_GT(found.chosen.tick_us_p99, 0);
   EXPECT_THAT(kGrainRadii_m, testing::Contains(found.chosen.radius_m));
   // With R = 7 mm it would be 256, as in icra2021.
@@ -77,17 +77,17 @@ TEST_F(FinestGrainHere, IsMeasuredInTheBoxOfTheBed) {
 }
 
 TEST_F(FinestGrainHere, IsCoarserInALargerBox) {
-  const double small_m = finestGrain(bed_, {}, {.paced = false}, kOneThread, stop_).chosen.radius_m;
+  const double small_m = finestGrain(bed_, {}, {.real_time = false}, kOneThread, stop_).chosen.radius_m;
   bed_.width_m = bed_.length_m = 1;
   bed_.depth_m = 0.1;  // 47 000 of 7 mm, and no machine steps those of 1.75 mm
-  const FinestGrain large = finestGrain(bed_, {}, {.paced = false}, kOneThread, stop_);
+  const FinestGrain large = finestGrain(bed_, {}, {.real_time = false}, kOneThread, stop_);
   EXPECT_GE(large.chosen.radius_m, small_m);
   ASSERT_TRUE(large.too_slow);
 }
 
 TEST_F(FinestGrainHere, IsOnOneOfTheNumbersOfThreads) {
   constexpr int kThreads[]{1, 2};
-  const FinestGrain found = finestGrain(bed_, {}, {.paced = false}, kThreads, stop_);
+  const FinestGrain found = finestGrain(bed_, {}, {.real_time = false}, kThreads, stop_);
   EXPECT_THAT(kThreads, testing::Contains(found.chosen.threads));
 }
 

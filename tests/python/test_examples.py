@@ -41,7 +41,7 @@ def test_own_device(tmp_path):
 
 def test_recording_to_figure(tmp_path):
     program = Path(os.environ["HAPTOLITH_BUILD"]) / "apps/haptolith/haptolith"
-    subprocess.run([program, "run", "icra2021", "--hand", "scoop", "--unpaced", "--duration-s", "4", "--record", "run.h5"], cwd=tmp_path,
+    subprocess.run([program, "run", "icra2021", "--motion", "scoop", "--no-realtime", "--duration-s", "4", "--record", "run.h5"], cwd=tmp_path,
                    check=True, capture_output=True)
     told = output_of("recording_to_figure.py", "run.h5", "run.png", where=tmp_path)
     assert float(re.search(r"4000 ticks, ([\d.]+) N at most", told).group(1)) > 1

@@ -40,7 +40,7 @@ def test_a_batch_gives_the_bits_of_one_by_one():
 
 
 def test_a_scene_closed_first_stays_until_its_loop_and_batch_are_closed():
-    with hp.Scene.from_toml(ICRA2021, loop__paced=False, loop__duration_s=0.2) as scene:
+    with hp.Scene.from_toml(ICRA2021, loop__real_time=False, loop__duration_s=0.2) as scene:
         loop = hp.Loop(scene)
     loop.start()
     while loop.snapshot().running:
@@ -182,7 +182,7 @@ def test_a_device_in_python_feels_the_soil():
 
 
 def test_the_scenes_own_hand_runs_on_a_thread():
-    with hp.Scene.from_toml(ICRA2021, loop__paced=False, loop__duration_s=0.5) as scene, hp.Loop(scene) as loop:
+    with hp.Scene.from_toml(ICRA2021, loop__real_time=False, loop__duration_s=0.5) as scene, hp.Loop(scene) as loop:
         loop.start()
         until = time.monotonic() + 30
         while loop.snapshot().running and time.monotonic() < until:

@@ -79,7 +79,7 @@ def test_the_programs_recordings_are_read_beside_h5py(tmp_path):
 
 
 def test_of_a_started_loop(tmp_path):
-    scene = hp.Scene.from_toml(ICRA2021, loop__paced=False, loop__duration_s=1)
+    scene = hp.Scene.from_toml(ICRA2021, loop__real_time=False, loop__duration_s=1)
     with hp.Loop(scene, keep_ticks=True) as loop, Recorder(loop, tmp_path / "run.h5", frames_per_s=60) as recorder:
         loop.start()
         while loop.snapshot().running:

@@ -67,7 +67,7 @@ SceneFile diggingScene() {
   SceneFile scene_file;
   scene_file.bed.soil = findPreset("P3").soil;
   scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
-  scene_file.loop.paced = false;
+  scene_file.loop.real_time = false;
   return scene_file;
 }
 

@@ -79,9 +79,9 @@ SceneFile personsScene() {
   scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
   scene_file.handling.safety.soft_start_s = 0.1;
   scene_file.handling.safety.soft_stop_s = 0.05;
-  scene_file.handling.safety.calm_s = 0.05;
-  scene_file.handling.safety.most_misses = 5;
-  scene_file.loop.paced = false;
+  scene_file.handling.safety.recovery_s = 0.05;
+  scene_file.handling.safety.max_missed_deadlines = 5;
+  scene_file.loop.real_time = false;
   return scene_file;
 }
 
@@ -216,7 +216,7 @@ TEST_F(ReplayTest, EveryTripOfAPersonsHandComesOutBitForBitWhateverTheThreads) {
 TEST_F(ReplayTest, ARunByTheClockComesOutBitForBitHoweverLateItWas) {
   using std::chrono::milliseconds;
   SceneFile scene_file = personsScene();
-  scene_file.loop.paced = true;
+  scene_file.loop.real_time = true;
   scene_file.loop.duration_s = 0.8;
   HapticLoop* running = nullptr;
   const auto accident = [&running](int read, DeviceInput&) {

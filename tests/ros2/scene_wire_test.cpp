@@ -322,10 +322,10 @@ TEST_F(SceneWireTest, ATargetThatStopsLetsTheToolGoUntilItComesAgain) {
   const TargetParameters space{.low_m = {-0.1, -0.1, 0}, .high_m = {0.1, 0.1, 0.5}};
   TargetDevice device(publisher_->inbox(), space, HandParameters(), bed.tick_s);
   LoopParameters parameters;
-  parameters.paced = false;
+  parameters.real_time = false;
   HandlingParameters handling;
   handling.safety.soft_start_s = 0.5;
-  handling.safety.calm_s = 0.3;
+  handling.safety.recovery_s = 0.3;
   HapticLoop loop(scene, device, parameters, true, handling);
   const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kReliable);
   ASSERT_TRUE(eventually([&] { return peer_.readersOf(writer) == 1; }));

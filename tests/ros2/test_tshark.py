@@ -22,7 +22,7 @@ def test_decodes(tmp_path):
     common = ["--localhost", "--domain", DOMAIN, "--json"]
     gateway = subprocess.Popen([HAPTOLITH, "teleop", "ros2", "--robot", "/haptolith", "--listen", "127.0.0.1:0", "--duration-s", "4", *common],
                                stdout=subprocess.DEVNULL)  # a reader: without readers nothing is sent
-    scene = subprocess.run([HAPTOLITH, "ros2", "icra2021", "--hand", "stir", "--duration-s", "3", "--no-serve", *common],
+    scene = subprocess.run([HAPTOLITH, "ros2", "icra2021", "--motion", "stir", "--duration-s", "3", "--no-serve", *common],
                            stdout=subprocess.PIPE, text=True, timeout=60)
     assert scene.returncode == 0
     assert gateway.wait(timeout=20) == 0

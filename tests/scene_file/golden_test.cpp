@@ -43,13 +43,13 @@ const Golden kScenes[]{
     {"Icra2021Scoop",
      R"(
 [hand]
-manoeuvre = "scoop"
+motion = "scoop"
 )",
      8},
     {"Icra2021Stir",
      R"(
 [hand]
-manoeuvre = "stir"
+motion = "stir"
 )",
      8},
     {"LunarStir",
@@ -57,7 +57,7 @@ manoeuvre = "stir"
 [soil]
 name = "lunar-0-15cm"
 [hand]
-manoeuvre = "stir"
+motion = "stir"
 )",
      4},
     {"SandboxThatSleeps",
@@ -68,7 +68,7 @@ width_mm = 400
 length_mm = 400
 depth_mm = 90
 [hand]
-manoeuvre = "stir"
+motion = "stir"
 )",
      4},
     {"Jaws",
@@ -81,7 +81,7 @@ shape = "jaws"
 size_mm = [50, 40, 5]
 opening_mm = 40
 [hand]
-manoeuvre = "scoop"
+motion = "scoop"
 depth_mm = 15
 )",
      8},
@@ -99,7 +99,7 @@ count = 4
 smallest_mm = 20
 largest_mm = 40
 [hand]
-manoeuvre = "stir"
+motion = "stir"
 )",
      2},
     {"Rain",
@@ -109,7 +109,7 @@ start = "rain"
 particles = 300
 seed = 7
 [hand]
-manoeuvre = "stir"
+motion = "stir"
 )",
      8},
 };
@@ -238,7 +238,7 @@ class GoldenScene : public testing::TestWithParam<Golden> {
 TEST_P(GoldenScene, HasTheBitsItAlwaysHad) {
   const Golden& golden = GetParam();
   SceneFile scene_file = loadSceneFileText(golden.toml, golden.name);
-  scene_file.loop.paced = false;
+  scene_file.loop.real_time = false;
   scene_file.loop.duration_s = golden.duration_s;
   int compared = 0;
   for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {

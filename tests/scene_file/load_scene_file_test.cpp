@@ -136,7 +136,7 @@ TEST_F(LoadSceneFile, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(icra2021.tool.adhesion_ratio, preset.tool.adhesion_ratio);
   EXPECT_DOUBLE_EQ(icra2021.tool.friction, preset.tool.friction);
   EXPECT_DOUBLE_EQ(icra2021.tool.adhesion_n, preset.tool.adhesion_n);
-  EXPECT_EQ(icra2021.hand.manoeuvre, preset.hand.manoeuvre);
+  EXPECT_EQ(icra2021.hand.motion, preset.hand.motion);
   EXPECT_EQ(icra2021.hand.compliance, preset.hand.compliance);
   EXPECT_DOUBLE_EQ(icra2021.hand.mass_kg, preset.hand.mass_kg);
   EXPECT_DOUBLE_EQ(icra2021.hand.damping_n_s_m, preset.hand.damping_n_s_m);
@@ -151,7 +151,7 @@ TEST_F(LoadSceneFile, ThePapersSceneIsTheDefault) {
   EXPECT_DOUBLE_EQ(icra2021.hand.max_force_n, preset.hand.max_force_n);
   EXPECT_DOUBLE_EQ(icra2021.hand.max_torque_nm, preset.hand.max_torque_nm);
   EXPECT_DOUBLE_EQ(icra2021.loop.duration_s, preset.loop.duration_s);
-  EXPECT_EQ(icra2021.loop.paced, preset.loop.paced);
+  EXPECT_EQ(icra2021.loop.real_time, preset.loop.real_time);
   EXPECT_DOUBLE_EQ(icra2021.loop.filter_cutoff_hz, preset.loop.filter_cutoff_hz);
 }
 
@@ -168,7 +168,7 @@ TEST_F(LoadSceneFile, MillimetresBecomeMetresAndWordsBecomeMeanings) {
     compliance = "rigid"
     home_mm = [-1, 2, 300]
     [loop]
-    paced = false
+    real_time = false
   )");
   EXPECT_EQ(scene.bed.start, BedStart::kRain);
   EXPECT_DOUBLE_EQ(scene.bed.width_m, 0.25);
@@ -177,7 +177,7 @@ TEST_F(LoadSceneFile, MillimetresBecomeMetresAndWordsBecomeMeanings) {
   EXPECT_TRUE(scene.tool.size_m.isApprox(Vec3(0.01, 0.0205, 0.03)));
   EXPECT_EQ(scene.hand.compliance, HandCompliance::kRigid);
   EXPECT_TRUE(scene.hand.home_m.isApprox(Vec3(-0.001, 0.002, 0.3)));
-  EXPECT_FALSE(scene.loop.paced);
+  EXPECT_FALSE(scene.loop.real_time);
 }
 
 TEST_F(LoadSceneFile, APresetAtAnotherRadiusIsRescaled) {
@@ -242,12 +242,12 @@ TEST_F(LoadSceneFile, GravityHasABodyOrAMagnitudeAndADirection) {
   EXPECT_TRUE(none.bed.gravity_m_s2.isZero());
 }
 
-TEST_F(LoadSceneFile, PosesLieBesideTheSceneAndImplyTheManoeuvre) {
+TEST_F(LoadSceneFile, PosesLieBesideTheSceneAndImplyTheMotion) {
   std::ofstream(folder_ / "move.csv") << "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
   const SceneFile scene = load("[hand]\nposes = 'move.csv'\n");
-  EXPECT_EQ(scene.hand.manoeuvre, Manoeuvre::kPoses);
+  EXPECT_EQ(scene.hand.motion, HandMotion::kPoses);
   EXPECT_EQ(fs::path(scene.hand.poses_file), folder_ / "move.csv");
-  EXPECT_NO_THROW((void)load("[hand]\nposes = 'move.csv'\nmanoeuvre = 'poses'\n"));
+  EXPECT_NO_THROW((void)load("[hand]\nposes = 'move.csv'\nmotion = 'poses'\n"));
 }
 
 // --- what is refused, and in which words ---
@@ -277,7 +277,7 @@ TEST_F(LoadSceneFile, WrongTypesAreRefused) {
             "x.toml:2: [soil] mu_hat = true is not valid: must be a number, 0 to 10");
   EXPECT_EQ(errorOf("[bed]\nlayers = 3.0\n"),
             "x.toml:2: [bed] layers = 3.0 is not valid: must be a whole number, 1 to 1000");
-  EXPECT_EQ(errorOf("[loop]\npaced = 1\n"), "x.toml:2: [loop] paced = 1 is not valid: must be true or false");
+  EXPECT_EQ(errorOf("[loop]\nreal_time = 1\n"), "x.toml:2: [loop] real_time = 1 is not valid: must be true or false");
   EXPECT_EQ(errorOf("title = 3\n"), "x.toml:1: title = 3 is not valid: must be a line of text");
   EXPECT_EQ(errorOf("title = ''\n"), "x.toml:1: title = '' is not valid: must be text that is not empty");
   EXPECT_EQ(errorOf("soil = 'P3'\n"), "x.toml:1: soil = 'P3' is not valid: must be a table, [soil]");
@@ -337,8 +337,8 @@ TEST_F(LoadSceneFile, ValuesThatDoNotGoTogetherAreRefused) {
             "x.toml:3: [soil] preset and mu_hat cannot both be given");
   EXPECT_EQ(errorOf("[gravity]\nmagnitude_m_s2 = 1\nbody = 'Moon'\n"),
             "x.toml:3: [gravity] body and magnitude_m_s2 cannot both be given");
-  EXPECT_EQ(errorOf("[hand]\nmanoeuvre = 'press'\nposes = 'a.csv'\n"),
-            "x.toml:3: [hand] poses and manoeuvre cannot both be given");
+  EXPECT_EQ(errorOf("[hand]\nmotion = 'press'\nposes = 'a.csv'\n"),
+            "x.toml:3: [hand] poses and motion cannot both be given");
 }
 
 TEST_F(LoadSceneFile, ALimitThatFollowsFromOtherValuesIsToldInTheUnitOfTheKey) {
@@ -384,7 +384,7 @@ TEST_F(LoadSceneFile, ShippedScenesHaveNoKeyWithoutEffect) {
 
 TEST_F(LoadSceneFile, BuiltInScenesAreTheFilesByTheirNames) {
   for (const std::string& name : sceneNames()) {
-    if (name != "plate-in-sand") {  // its poses are next to the file
+    if (name != "plate-recorded") {  // its poses are next to the file
       EXPECT_EQ(findSceneFile(name), loadSceneFile(sourceDir() / "scenes" / (name + ".toml"))) << name;
     }
   }
@@ -394,8 +394,7 @@ TEST_F(LoadSceneFile, BuiltInScenesAreTheFilesByTheirNames) {
 }
 
 TEST_F(LoadSceneFile, PosesMustExist) {
-  EXPECT_EQ(errorOf("[hand]\nmanoeuvre = 'poses'\n"),
-            "x.toml:2: [hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");
+  EXPECT_EQ(errorOf("[hand]\nmotion = 'poses'\n"), "x.toml:2: [hand] motion = 'poses' needs [hand] poses, a CSV file");
   EXPECT_THAT(errorOf("[hand]\nposes = 'none.csv'\n"), HasSubstr("none.csv: no such file"));
 }
 

@@ -20,12 +20,12 @@ SceneFile with(const std::string& text, const Texts& overrides) {
 TEST(Overrides, ReplaceWhatTheFileSays) {
   const SceneFile scene = with("title = 'x'\n[bed]\nseed = 3\nparticles = 200\n",
                                {"bed.seed=7", " tool.shape = sphere ", "tool.size_mm=[1, 2, 3]", "tool.diameter_mm=40",
-                                "loop.paced=false", "title=my own \"scene\""});
+                                "loop.real_time=false", "title=my own \"scene\""});
   EXPECT_EQ(scene.bed.seed, 7U);
   EXPECT_EQ(scene.bed.particles, 200);
   EXPECT_EQ(scene.tool.shape, ToolShape::kSphere);
   EXPECT_DOUBLE_EQ(scene.tool.diameter_m, 0.04);
-  EXPECT_FALSE(scene.loop.paced);
+  EXPECT_FALSE(scene.loop.real_time);
   EXPECT_EQ(scene.title, "my own \"scene\"");
 }
 
@@ -69,7 +69,7 @@ TEST(Overrides, ReplaceATitleThatMayNameWhatTheyChange) {
   EXPECT_EQ(titled({"gravity.magnitude_m_s2=3", "soil.name=dry-sand"}),
             "dry-sand soil, 3 m/s2, R = 7 mm, shovel, carry");
   EXPECT_EQ(titled({"tool.name=scoop"}), "P4 soil, Europa, R = 7 mm, scoop, carry");
-  EXPECT_EQ(titled({"tool.shape=plate", "hand.manoeuvre=still"}), "P4 soil, Europa, R = 7 mm, plate");
+  EXPECT_EQ(titled({"tool.shape=plate", "hand.motion=still"}), "P4 soil, Europa, R = 7 mm, plate");
   EXPECT_EQ(titled({"soil.preset=P1", "title=mine"}), "mine");
   SceneFile scene = findSceneFile("europa", Texts{"soil.preset=P1"});
   changeBody(scene, "Mars");

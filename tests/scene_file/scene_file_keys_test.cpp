@@ -100,7 +100,7 @@ TEST(SceneFileKeys, SayWhatIsValid) {
   EXPECT_EQ(valid("soil", "gamma_nm"), "> 0");
   EXPECT_EQ(valid("bed", "layers"), "a whole number, 1 to 1000");
   EXPECT_EQ(valid("hand", "home_mm"), "three numbers, each -10000 to 10000");
-  EXPECT_EQ(valid("loop", "paced"), "true or false");
+  EXPECT_EQ(valid("loop", "real_time"), "true or false");
 }
 
 // --- what a key accepts, the parameters accept, and the reverse ------------------------------------------------------

@@ -211,7 +211,7 @@ std::string likelyValue(const SceneFileKey& key, std::mt19937_64& random) {
   if (key.name == "particles" || key.name == "layers") {
     return fmt::format("{}", 2 + random() % 5);
   }
-  return key.name == "manoeuvre" ? "'poses'" : someValue(key, random);
+  return key.name == "motion" ? "'poses'" : someValue(key, random);
 }
 
 class SceneFileWithPoses : public testing::Test {
@@ -315,19 +315,19 @@ TEST(SceneFileText, RefusesStonesThatCannotBeWithTheirLine) {
 
 TEST_F(SceneFileWithPoses, DependOnNoFolder) {
   SceneFile scene;
-  scene.hand.manoeuvre = Manoeuvre::kPoses;
+  scene.hand.motion = HandMotion::kPoses;
   scene.hand.poses_file = fs::relative(folder_ / "moves.csv").string();
   EXPECT_TRUE(fs::path(readAgain(scene).hand.poses_file).is_absolute());
   EXPECT_TRUE(fs::equivalent(readAgain(scene).hand.poses_file, folder_ / "moves.csv"));
 
-  scene.hand.manoeuvre = Manoeuvre::kStir;  // --hand stir, on top of a scene with poses
-  EXPECT_EQ(readAgain(scene).hand.manoeuvre, Manoeuvre::kStir);
+  scene.hand.motion = HandMotion::kStir;  // --motion stir, on top of a scene with poses
+  EXPECT_EQ(readAgain(scene).hand.motion, HandMotion::kStir);
   EXPECT_EQ(readAgain(scene).hand.poses_file, "");
 }
 
 TEST_F(SceneFileWithPoses, AreRefusedWhenTheyHaveGone) {
   SceneFile scene;
-  scene.hand.manoeuvre = Manoeuvre::kPoses;
+  scene.hand.motion = HandMotion::kPoses;
   scene.hand.poses_file = (folder_ / "gone.csv").string();
   EXPECT_THAT([&] { (void)sceneFileText(scene); }, testing::ThrowsMessage<InvalidParameter>(HasSubstr("gone.csv")));
 }

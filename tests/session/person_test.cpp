@@ -67,7 +67,7 @@ class PersonsSession : public testing::Test {
  protected:
   PersonsSession() {
     SceneFile scene_file;
-    scene_file.loop.paced = false;
+    scene_file.loop.real_time = false;
     scene_file.device.kind = DeviceKind::kNetwork;  // any but the virtual hand
     scene_file.handling.safety.soft_start_s = 0.5;
     session_ = std::make_unique<Session>(scene_file, true, SettleProgress{}, std::make_unique<PersonsDevice>(handle_));
@@ -131,7 +131,7 @@ TEST_F(PersonsSession, WhatOnlyASimulatedHandCanDoIsRefusedAndSaysWho) {
     return ThrowsMessage<InvalidParameter>(AllOf(HasSubstr(what), HasSubstr("a haptic device moves")));
   };
   EXPECT_THAT([this] { session_->hold(Pose{Vec3(0, 0, 0.1)}); }, refused("cannot move the tool"));
-  EXPECT_THAT([this] { session_->play(Manoeuvre::kStir); }, refused("cannot move the tool"));
+  EXPECT_THAT([this] { session_->play(HandMotion::kStir); }, refused("cannot move the tool"));
   EXPECT_THAT([this] { session_->setSpeed(0.5); }, refused("cannot change the speed"));
   EXPECT_FALSE(session_->held());
   EXPECT_EQ(session_->speed(), 1);

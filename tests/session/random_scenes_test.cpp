@@ -27,8 +27,8 @@ constexpr double kDuration_s = 0.03;
 /// Keys that need a file or a device, or that say nothing about what is computed.
 bool isLeftOut(const SceneFileKey& key) {
   constexpr std::array<std::string_view, 3> kTables = {"", "names", "device"};
-  constexpr std::array<std::string_view, 8> kNames = {"duration_s", "paced", "cpu",        "threads",
-                                                      "poses",      "file",  "ready_made", "mesh"};
+  constexpr std::array<std::string_view, 8> kNames = {"duration_s", "real_time", "cpu",        "threads",
+                                                      "poses",      "file",      "ready_made", "mesh"};
   return std::ranges::find(kTables, key.table) != kTables.end() || std::ranges::find(kNames, key.name) != kNames.end();
 }
 
@@ -128,7 +128,7 @@ TEST(RandomScenes, RunOrAreRefusedWithTheirKey) {
     }
     try {
       SceneFile scene_file = findSceneFile(base, overrides);
-      scene_file.loop.paced = false;
+      scene_file.loop.real_time = false;
       scene_file.loop.duration_s = kDuration_s;
       Session session(scene_file, false);
       std::atomic<bool> stop{false};

@@ -21,8 +21,8 @@ class SessionTest : public testing::Test {
  protected:
   static SceneFile quiet() {
     SceneFile scene_file;
-    scene_file.hand.manoeuvre = Manoeuvre::kStill;
-    scene_file.loop.paced = false;
+    scene_file.hand.motion = HandMotion::kStill;
+    scene_file.loop.real_time = false;
     return scene_file;
   }
 
@@ -116,7 +116,7 @@ TEST_F(SessionTest, ASliderChangesTheSoilThatLiesThere) {
 TEST_F(SessionTest, ASliderThatTheListsAreNotGoodForTakesTheSoilAsItLies) {
   SceneFile cohesionless = quiet();
   cohesionless.bed.soil.friction = FrictionModel::kContact;
-  cohesionless.hand.manoeuvre = Manoeuvre::kStir;
+  cohesionless.hand.motion = HandMotion::kStir;
   start(cohesionless);
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > 3000; }));
   pauseAndWait();
@@ -203,7 +203,7 @@ TEST_F(SessionTest, LettingGoRightAfterAnotherBedHasComeLeavesTheToolWhereItIs) 
 
 TEST_F(SessionTest, ResetTakesBackEverythingAndLevelOnlyWhatWasDug) {
   SceneFile stirred = quiet();
-  stirred.hand.manoeuvre = Manoeuvre::kStir;
+  stirred.hand.motion = HandMotion::kStir;
   start(stirred);
   session_->change({.body = "Mars"});
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > 3000; }));
@@ -219,8 +219,8 @@ TEST_F(SessionTest, ResetTakesBackEverythingAndLevelOnlyWhatWasDug) {
 
 TEST_F(SessionTest, BecomesCoarserAndStaysSo) {
   SceneFile fine = findSceneFile("auto");
-  fine.hand.manoeuvre = Manoeuvre::kStill;
-  fine.loop.paced = false;
+  fine.hand.motion = HandMotion::kStill;
+  fine.loop.real_time = false;
   start(fine);
   session_->coarsen();
   session_->coarsen();  // while the first is being made
@@ -260,16 +260,16 @@ TEST_F(SessionTest, WhoeverHoldsTheToolDigsAndItStaysWhereItIsLeft) {
   ASSERT_TRUE(soon([&] { return session_->snapshot().ticks > ticks + 2000; }));
   const double left_at = session_->snapshot().scene_T_tool.position_m.z();
   EXPECT_LT(left_at, 0.05);
-  session_->play(Manoeuvre::kStill);
+  session_->play(HandMotion::kStill);
   ASSERT_TRUE(soon([&] { return session_->snapshot().scene_T_tool.position_m.z() > 0.1; }));
 }
 
 TEST_F(SessionTest, TheTitleFollowsTheMotion) {
   start();
   const std::string own = session_->sceneFile().title;
-  session_->play(session_->manoeuvre());
+  session_->play(session_->motion());
   EXPECT_EQ(session_->sceneFile().title, own);
-  session_->play(Manoeuvre::kStir);
+  session_->play(HandMotion::kStir);
   EXPECT_EQ(session_->sceneFile().title, "P3 soil, Moon, R = 7 mm, shovel, stir");
   EXPECT_EQ(session_->shown().title, session_->sceneFile().title);
   session_->reset();
@@ -293,8 +293,8 @@ TEST_F(SessionTest, LevelSoilLiesAsItDidAtFirstHoweverItWasMade) {
   SceneFile settled = findSceneFile("soil-surface");  // repeated from a tile, its sides held
   settled.bed.width_m = settled.bed.length_m = 0.08;
   settled.bed.depth_m = 0.02;
-  settled.loop.paced = false;
-  settled.hand.manoeuvre = Manoeuvre::kStill;
+  settled.loop.real_time = false;
+  settled.hand.motion = HandMotion::kStill;
   start(settled);
   const std::vector<Float4> first = session_->snapshot().position;
   const std::size_t held = session_->scene().bed().heldParticles();
@@ -321,10 +321,10 @@ TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
   constexpr std::uint64_t kToRest = 3000;  // under another gravity the bed sinks by millimetres
   waitTicks(kToRest);
   const std::vector<Float4> level = session_->snapshot().position;
-  session_->play(Manoeuvre::kStir);
+  session_->play(HandMotion::kStir);
   waitTicks(3000);
   EXPECT_GT(farthest(session_->snapshot().position, level), 0.005);
-  session_->play(Manoeuvre::kStill);
+  session_->play(HandMotion::kStill);
   waitTicks(3000);                    // until the tool is out of the soil, where the next bed would meet it
   session_->show(std::array{ceres});  // not of what is shown: of the scene as it was started
   ASSERT_TRUE(soon([&] { return session_->settled(); }));
@@ -341,8 +341,8 @@ TEST_F(SessionTest, ShowsOneStimulusAfterAnotherEachOnALevelBed) {
 TEST_F(SessionTest, ShowsStonesWhereEachStimulusHasThem) {
   SceneFile scene = findSceneFile("buried-stone");
   scene.bed.start = BedStart::kPacked;  // soon at rest
-  scene.loop.paced = false;
-  scene.hand.manoeuvre = Manoeuvre::kStill;
+  scene.loop.real_time = false;
+  scene.hand.motion = HandMotion::kStill;
   start(scene);
   const auto stone_m = [&] { return session_->scene().bed().stones().poses().front().position_m.z(); };
   const double first_m = stone_m();

@@ -58,11 +58,11 @@ TEST(Exploration, DrawsHandsAroundTheScenes) {
   int turns = 0;
   double sum_m = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const ExploringHand drawn = exploringHand(icra2021Scene(), {.manoeuvre = Manoeuvre::kPress, .seed = seed});
+    const ExploringHand drawn = exploringHand(icra2021Scene(), {.motion = HandMotion::kPress, .seed = seed});
     EXPECT_NEAR(drawn.hand.home_m.x(), usual.home_m.x(), 0.005);
     EXPECT_NEAR(drawn.hand.period_s / usual.period_s, 1, 0.1);
     EXPECT_DOUBLE_EQ(drawn.hand.mass_kg / usual.mass_kg, drawn.hand.stiffness_n_m / usual.stiffness_n_m);
-    EXPECT_EQ(drawn.hand.manoeuvre, Manoeuvre::kPress);
+    EXPECT_EQ(drawn.hand.motion, HandMotion::kPress);
     mirrored = mirrored || drawn.mirrored;
     turns |= 1 << drawn.quarter_turns;
     sum_m += drawn.hand.home_m.y();
@@ -75,7 +75,7 @@ TEST(Exploration, DrawsHandsAroundTheScenes) {
 TEST(Exploration, FeelsTheSameWhenHandAndSoilAreMirrored) {
   const LevelBed bed = levelBed(icra2021Scene());
   ExploringHand hand{.hand = icra2021Scene().hand};
-  hand.hand.manoeuvre = Manoeuvre::kPress;
+  hand.hand.motion = HandMotion::kPress;
   hand.hand.home_m.y() = 0.004;
   const double here_n = explore(icra2021Scene(), bed, hand, 1).summary.mean_force_n;
   hand.hand.home_m.y() = -0.004;
@@ -93,8 +93,8 @@ TEST(Exploration, MeetsMoreResistanceWhereThereIsMoreFriction) {
 }
 
 TEST(Exploration, OnlyLiftingCarries) {
-  EXPECT_TRUE(std::isnan(explore(icra2021Scene(), {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).carried_n));
-  EXPECT_TRUE(std::isfinite(explore(icra2021Scene(), {.manoeuvre = Manoeuvre::kScoop, .rounds = 1}).carried_n));
+  EXPECT_TRUE(std::isnan(explore(icra2021Scene(), {.motion = HandMotion::kPress, .rounds = 1}).carried_n));
+  EXPECT_TRUE(std::isfinite(explore(icra2021Scene(), {.motion = HandMotion::kScoop, .rounds = 1}).carried_n));
 }
 
 TEST(Exploration, FeelsTheWeightOfTheGrainsOnTheTool) {
@@ -102,7 +102,7 @@ TEST(Exploration, FeelsTheWeightOfTheGrainsOnTheTool) {
   const LevelBed bed = levelBed(earth);
   int right = 0;  // now and then a grain jams between the tool and a wall
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const Exploration scoop = explore(earth, bed, {.manoeuvre = Manoeuvre::kScoop, .rounds = 1, .seed = seed});
+    const Exploration scoop = explore(earth, bed, {.motion = HandMotion::kScoop, .rounds = 1, .seed = seed});
     const double weight_n = scoop.carried_kg * 9.807;
     EXPECT_GT(weight_n, 0.02);
     right += std::abs(scoop.carried_n - weight_n) < 0.12 * weight_n ? 1 : 0;
@@ -114,7 +114,7 @@ TEST(Exploration, FeelsNoWeightWithoutGravity) {
   SceneFile scene = grains("Moon");
   const LevelBed bed = levelBed(scene);
   scene.bed.gravity_m_s2 = Vec3::Zero();
-  const Exploration scoop = explore(scene, bed, {.manoeuvre = Manoeuvre::kScoop, .rounds = 1});
+  const Exploration scoop = explore(scene, bed, {.motion = HandMotion::kScoop, .rounds = 1});
   EXPECT_NEAR(scoop.carried_n, 0, 0.01);  // on Earth about 0.08
 }
 
@@ -131,7 +131,7 @@ TEST(Exploration, FeelsHowHighSoilReaches) {
     const SceneFile scene = filled("soil-surface", depth_m);
     const LevelBed bed = levelBed(scene);
     // The tip is half the rod's length below its middle.
-    return explore(scene, bed, {.manoeuvre = Manoeuvre::kPress, .rounds = 2}).touched_up_to_m - 0.030 - bed.surface_m;
+    return explore(scene, bed, {.motion = HandMotion::kPress, .rounds = 2}).touched_up_to_m - 0.030 - bed.surface_m;
   };
   const double radius_m = findSceneFile("soil-surface").bed.soil.radius_m;
   for (const double depth_m : {0.028, 0.040, 0.052}) {
@@ -142,12 +142,12 @@ TEST(Exploration, FeelsHowHighSoilReaches) {
 TEST(Exploration, FeelsNoSoilAboveIt) {
   SceneFile above = filled("soil-surface", 0.028);
   above.hand.surface_m = 0.2;
-  EXPECT_TRUE(std::isnan(explore(above, {.manoeuvre = Manoeuvre::kPress, .rounds = 1}).touched_up_to_m));
+  EXPECT_TRUE(std::isnan(explore(above, {.motion = HandMotion::kPress, .rounds = 1}).touched_up_to_m));
 }
 
 TEST(Exploration, SeesWhatAScoopWithSidesCarries) {
   const auto scooped = [](double depth_m) {
-    return explore(filled("scoop-load", depth_m), {.manoeuvre = Manoeuvre::kScoop, .rounds = 1, .variation = 0});
+    return explore(filled("scoop-load", depth_m), {.motion = HandMotion::kScoop, .rounds = 1, .variation = 0});
   };
   const Exploration little = scooped(0.006);
   const Exploration much = scooped(0.020);
@@ -193,12 +193,12 @@ TEST(Exploration, MeetsAStoneFromAnySideOfTheBed) {
   over_stone.hand.home_m = Vec3(0, 0.03, scene.hand.home_m.z());
   EXPECT_NEAR(explore(scene, bed, over_stone, 1).summary.peak_force_n, over_n, 0.05 * over_n);
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    EXPECT_FALSE(exploringHand(scene, {.manoeuvre = Manoeuvre::kPress, .seed = seed}).mirrored);
+    EXPECT_FALSE(exploringHand(scene, {.motion = HandMotion::kPress, .seed = seed}).mirrored);
   }
 }
 
 TEST(Exploration, RefusesNonsense) {
-  EXPECT_THROW((void)explore(icra2021Scene(), {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
+  EXPECT_THROW((void)explore(icra2021Scene(), {.motion = HandMotion::kPoses}), InvalidParameter);
   EXPECT_THROW((void)explore(icra2021Scene(), {.rounds = 0}), InvalidParameter);
   EXPECT_THROW((void)explore(icra2021Scene(), {.variation = -0.1}), InvalidParameter);
   EXPECT_THROW((void)explore(icra2021Scene(), {.variation = 2.1}), InvalidParameter);

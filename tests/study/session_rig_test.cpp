@@ -21,8 +21,8 @@ class SessionRigTest : public testing::Test {
  protected:
   void SetUp() override {
     SceneFile scene_file;
-    scene_file.hand.manoeuvre = Manoeuvre::kStill;
-    scene_file.loop.paced = false;
+    scene_file.hand.motion = HandMotion::kStill;
+    scene_file.loop.real_time = false;
     session_ = std::make_unique<Session>(scene_file, true);
     rig_ = std::make_unique<SessionRig>(*session_, SessionRig::Recorder{});
     session_->start(stop_);

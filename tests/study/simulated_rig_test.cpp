@@ -12,7 +12,7 @@
 namespace haptolith {
 namespace {
 
-constexpr ExplorationOptions kStir{.manoeuvre = Manoeuvre::kStir, .rounds = 1};
+constexpr ExplorationOptions kStir{.motion = HandMotion::kStir, .rounds = 1};
 
 const Stimulus& levelNamed(const StudyBlock& block, std::string_view name) {
   return *std::ranges::find(block.levels, name, &Stimulus::name);
@@ -52,7 +52,7 @@ TEST(SimulatedRig, ExploresAnewEachTime) {
 
 TEST(SimulatedRig, RefusesHandsThatCannotExplore) {
   const StudyProtocol protocol = loadProtocolText(kTwoBlocks, "two.toml");
-  EXPECT_THROW(SimulatedRig(protocol, {.manoeuvre = Manoeuvre::kPoses}), InvalidParameter);
+  EXPECT_THROW(SimulatedRig(protocol, {.motion = HandMotion::kPoses}), InvalidParameter);
 }
 
 // The rod of a built-in protocol lies flat on the soil when it stirs, and is felt by chance.
@@ -65,7 +65,7 @@ TEST(SimulatedRig, RefusesAtOnceAHandThatStaysAboveTheSoil) {
   } catch (const InvalidParameter& error) {
     EXPECT_NE(std::string(error.what()).find("stir, which moves the tool"), std::string::npos) << error.what();
   }
-  EXPECT_NO_THROW(SimulatedRig(protocol, {.manoeuvre = Manoeuvre::kPress}));
+  EXPECT_NO_THROW(SimulatedRig(protocol, {.motion = HandMotion::kPress}));
   for (const char* name : {"icra2021", "icra2021-friction", "icra2021-gravity"}) {
     const ProtocolText other = findProtocol(name);
     EXPECT_NO_THROW(SimulatedRig(loadProtocolText(other.text, other.name), kStir)) << name;

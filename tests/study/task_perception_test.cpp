@@ -42,7 +42,7 @@ TEST(TaskPerception, ForceTellsAStoneThatIsNear) {
   const StudyProtocol protocol = quick("buried-stone", {0, 5});
   const TaskPerception task = perceiveTask(protocol, protocol.blocks[0], kQuick);
   ASSERT_EQ(task.levels.size(), 2U);
-  EXPECT_EQ(task.hand, Manoeuvre::kPress);
+  EXPECT_EQ(task.hand, HandMotion::kPress);
   EXPECT_DOUBLE_EQ(task.duration_s, 1.5);
   EXPECT_EQ(task.levels[1].name, "23");
   EXPECT_GT(task.levels[1].force.d_prime, 2);
@@ -76,7 +76,7 @@ TEST(TaskPerception, RefusesNonsenseAndGivesUpWhenAsked) {
   EXPECT_THROW((void)perceiveTask(protocol, block, {.beds = 0}), InvalidParameter);
   EXPECT_THROW((void)perceiveTask(protocol, block, {.perceive = {.observer = {}, .sense_scale = 0}}), InvalidParameter);
   EXPECT_THROW((void)perceiveTask(protocol, block, kQuick, [](double) { return false; }), Failure);
-  protocol.scene.hand.manoeuvre = Manoeuvre::kPoses;
+  protocol.scene.hand.motion = HandMotion::kPoses;
   EXPECT_THROW((void)perceiveTask(protocol, block, kQuick), InvalidParameter);
 }
 

@@ -34,7 +34,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
 
-const std::string kHead = "title = 'Far away'\nscene = 'dig'\nrecord = false\n";
+const std::string kHead = "title = 'Far away'\nscene = 'teleop-model'\nrecord = false\n";
 const std::string kDig = R"toml([[block]]
 name = "dig"
 instructions = "Dig."
@@ -71,11 +71,17 @@ TEST(TeleopProtocol, HasBlocksThatCompareNothing) {
   EXPECT_EQ(block.teleop->task, SiteTask::kTrench);
   EXPECT_EQ(block.teleop->force, TeleopForce::kLearning);
   EXPECT_EQ(block.teleop->round_trip_s, 2.6);
-  EXPECT_EQ(block.teleop->site, "dig-site");
+  EXPECT_EQ(block.teleop->site, "teleop-site");
   EXPECT_EQ(block.reference.name, "learning 2.6 s");
   EXPECT_THAT(block.levels, SizeIs(1));
   EXPECT_THAT(block.questionnaire, SizeIs(1));
   EXPECT_THAT(sequenceFor(load(kHead + kDig), 1, 1).front().trials, SizeIs(3));
+}
+
+TEST(TeleopProtocol, ReadsTheNamesOfScenesOfAnEarlierVersion) {
+  const std::string head = replaced(kHead, "teleop-model", "dig");
+  const StudyBlock block = load(head + replaced(kDig, "2.6", "2.6\nsite = 'dig-site'")).blocks.front();
+  EXPECT_EQ(block.teleop->site, "teleop-site");
 }
 
 TEST(TeleopProtocol, ShipsWithEachFeelingUnderTwoDelays) {

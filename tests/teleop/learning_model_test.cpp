@@ -56,7 +56,7 @@ class Cutting {
 };
 
 SceneFile digModel() {
-  return readyToLearn(findSceneFile("dig"));
+  return readyToLearn(findSceneFile("teleop-model"));
 }
 
 TEST(LearningModel, StaysAsItIsWhileNothingIsMetOrAllIsAsItWasFelt) {
@@ -171,7 +171,7 @@ TEST(LearningModel, ThinkingBesideTheLoopComesToTheSame) {
 }
 
 TEST(LearningModel, SoilWithoutCohesionMayGetSomeAndIcra2021FrictionIsRefused) {
-  SceneFile sand = findSceneFile("dig");
+  SceneFile sand = findSceneFile("teleop-model");
   sand.bed.soil.contact_cohesion_n = 0;
   EXPECT_GT(readyToLearn(sand).bed.soil.contact_cohesion_n, 0);
   EXPECT_LT(readyToLearn(sand).bed.soil.contact_cohesion_n, 1e-5);

@@ -16,7 +16,7 @@ namespace {
 TeleopSetup smallSetup(double round_trip_s) {
   TeleopSetup setup;
   setup.model.bed.soil.friction = FrictionModel::kContact;
-  setup.model.hand.manoeuvre = Manoeuvre::kCut;
+  setup.model.hand.motion = HandMotion::kCut;
   setup.model.hand.depth_m = 0.01;
   setup.model.hand.period_s = 12;
   setup.model.hand.compliance = HandCompliance::kRigid;
@@ -48,8 +48,8 @@ double feltOverMet(const TeleopResult& result, double from_s, double to_s) {
 
 TEST(TeleopSimulation, TheSameBedOnBothSidesGivesTheSameForce) {
   TeleopSetup setup;
-  setup.model = findSceneFile(
-      "dig", std::vector<std::string>{"soil.radius_mm=7", "bed.width_mm=126", "bed.length_mm=126", "hand.period_s=12"});
+  setup.model = findSceneFile("teleop-model", std::vector<std::string>{"soil.radius_mm=7", "bed.width_mm=126",
+                                                                       "bed.length_mm=126", "hand.period_s=12"});
   setup.model.hand.compliance = HandCompliance::kRigid;
   setup.model.hand.reach_m = 0.02;
   setup.model.hand.depth_m = 0;
@@ -185,9 +185,9 @@ TEST(TeleopSimulation, DelayedForceIsTrueWithoutDelayAndUselessWithIt) {
 TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt) {
   TeleopSetup setup;
   setup.model = readyToLearn(findSceneFile(
-      "dig", std::vector<std::string>{"soil.radius_mm=9", "bed.sleep_distance_mm=0.09", "hand.period_s=24"}));
-  setup.site = findSceneFile("dig-site", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08",
-                                                                  "soil.stiffness_n_m=5000"});
+      "teleop-model", std::vector<std::string>{"soil.radius_mm=9", "bed.sleep_distance_mm=0.09", "hand.period_s=24"}));
+  setup.site = findSceneFile("teleop-site", std::vector<std::string>{"soil.radius_mm=8", "bed.sleep_distance_mm=0.08",
+                                                                     "soil.stiffness_n_m=5000"});
   setup.up.delay_s = setup.down.delay_s = 0.2;
   setup.duration_s = 7;
   const TeleopResult stays = simulateTeleop(setup);
@@ -213,8 +213,8 @@ TEST(TeleopSimulation, AModelThatLearnsBecomesWhatTheRobotMeetsAndNobodyFeelsIt)
 
 TEST(TeleopSimulation, AModelsSurfaceIsMendedWhileTheToolIsInTheAir) {
   TeleopSetup setup;
-  setup.model = findSceneFile("dig", std::vector<std::string>{"soil.radius_mm=10", "hand.period_s=12"});
-  setup.site = findSceneFile("dig-site", std::vector<std::string>{"soil.radius_mm=10", "soil.stiffness_n_m=3000"});
+  setup.model = findSceneFile("teleop-model", std::vector<std::string>{"soil.radius_mm=10", "hand.period_s=12"});
+  setup.site = findSceneFile("teleop-site", std::vector<std::string>{"soil.radius_mm=10", "soil.stiffness_n_m=3000"});
   setup.duration_s = 12;
   const TeleopResult left = simulateTeleop(setup);
   setup.mends = true;

@@ -15,7 +15,7 @@ namespace {
 /// Grains of 6 mm, of which there are fewer: 35.3 degrees and 158 Pa by their own shear tests.
 SceneFile siteOfCoarseGrains() {
   const std::vector<std::string> coarse{"soil.radius_mm=6", "soil.stiffness_n_m=4000"};
-  return findSceneFile("dig-site", coarse);
+  return findSceneFile("teleop-site", coarse);
 }
 
 TEST(SiteProbe, ARobotTellsTheSoilOfItsSite) {
@@ -30,7 +30,7 @@ TEST(SiteProbe, ARobotTellsTheSoilOfItsSite) {
   EXPECT_LT(probed.belief.misfit, kStrange);
 
   const StrengthMap strengths(training.runs);
-  const SceneFile model = findSceneFile("dig");
+  const SceneFile model = findSceneFile("teleop-model");
   const SceneFile better = withBelievedSoil(model, probed.belief, strengths);
   EXPECT_EQ(better.bed.soil.radius_m, model.bed.soil.radius_m) << "the operator's own grains";
   EXPECT_NEAR(strengths.of(better.bed.soil).angle_deg, probed.belief.friction_angle_deg.middle, 0.1);

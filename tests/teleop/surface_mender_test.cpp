@@ -19,7 +19,7 @@ const HandState kAway{{{{0, 0, 1}, Quat::Identity()}, {}}};
 
 SceneFile dig() {
   const std::vector<std::string> coarser{"soil.radius_mm=8"};
-  return findSceneFile("dig", coarser);
+  return findSceneFile("teleop-model", coarser);
 }
 
 /// A bed without a tool in it, and heights of its soil in cells of 10 mm.

@@ -13,7 +13,7 @@ static unsafe class LibraryTests
   /// <summary>What state_hash.c prints.</summary>
   public static string StateHash()
   {
-    using (Scene scene = Scene.FromFile("icra2021", new[] { "loop.paced=false", "loop.duration_s=1" }))
+    using (Scene scene = Scene.FromFile("icra2021", new[] { "loop.real_time=false", "loop.duration_s=1" }))
     {
       using (Loop loop = new Loop(scene))
       {
@@ -257,7 +257,7 @@ static unsafe class LibraryTests
   {
     Expect.Test("A loop runs on its own thread, is polled, and tells what it feels", () =>
     {
-      using (Scene scene = Small("hand.manoeuvre=press", "hand.period_s=0.4"))
+      using (Scene scene = Small("hand.motion=press", "hand.period_s=0.4"))
       using (Loop loop = new Loop(scene, keep_ticks: true))
       {
         Expect.That(!loop.Poll().Running, "it has not begun");

@@ -59,7 +59,7 @@ static class SampleTests
       enabled = true,
       Tool = new Transform(),
       ToolIsMovedInUnity = moved_in_unity,
-      Overrides = new[] { "bed.particles=256", "hand.manoeuvre=press" }
+      Overrides = new[] { "bed.particles=256", "hand.motion=press" }
     };
   }
 

@@ -35,7 +35,7 @@ TEST(Command, EveryCommandOfTheProtocolIsUnderstood) {
   EXPECT_EQ(hold.scene_T_tool.position_m, Vec3(0.1, 0.2, 0.3));
   EXPECT_EQ(hold.scene_T_tool.orientation.w(), 1);
   parsed<command::Release>(R"({"do": "release"})");
-  EXPECT_EQ(parsed<command::Play>(R"({"do": "play", "manoeuvre": "stir"})").manoeuvre, Manoeuvre::kStir);
+  EXPECT_EQ(parsed<command::Play>(R"({"do": "play", "motion": "stir"})").motion, HandMotion::kStir);
   const auto file = parsed<command::ToolFile>(
       R"({"do": "tool_file", "upload": 7, "name": "Ålesund.OBJ", "unit_mm": 25.4, "sheet_thickness_mm": 1.5})");
   EXPECT_EQ(file.upload, 7U);
@@ -62,6 +62,10 @@ TEST(Command, ThePreviousWordsForFrictionAreStillRead) {
             FrictionModel::kContact);
   EXPECT_EQ(parsed<command::Change>(R"({"do": "scene", "friction": "paper"})").change.friction,
             FrictionModel::kIcra2021);
+}
+
+TEST(Command, ThePreviousNameOfTheHandsMotionIsStillRead) {
+  EXPECT_EQ(parsed<command::Play>(R"({"do": "play", "manoeuvre": "press"})").motion, HandMotion::kPress);
 }
 
 TEST(Command, AChangeOfTheSceneIsReadWhole) {
@@ -125,7 +129,7 @@ TEST(Command, WhatIsWrongIsSaid) {
   EXPECT_THAT(refused(R"({"do": "hold", "pose": [1, 2, 3, "4", 5, 6, 7]})"), HasSubstr("a number"));
   EXPECT_THAT(refused(R"({"do": "hold", "pose": [1e300, 2, 3, 4, 5, 6, 7]})"), HasSubstr("-1000 to 1000"));
   EXPECT_THAT(refused(R"({"do": "play"})"), HasSubstr("scoop"));
-  EXPECT_THAT(refused(R"({"do": "play", "manoeuvre": "poses"})"),
+  EXPECT_THAT(refused(R"({"do": "play", "motion": "poses"})"),
               HasSubstr("still, press, stir, scoop, carry, shake, cut or furrows"));
   EXPECT_THAT(refused(R"({"do": "tool_file", "name": "a.stl"})"), HasSubstr("upload"));
   EXPECT_THAT(refused(R"({"do": "tool_file", "upload": -1, "name": "a.stl"})"), HasSubstr("whole number"));

@@ -278,11 +278,11 @@ TEST(Frame, ShowsWhatATurnedDeviceIsSentInTheScenesAxes) {
   const SceneFile icra2021;
   Scene scene(icra2021.bed, icra2021.tool);
   TurnedDevice device;
-  LoopParameters unpaced;
-  unpaced.paced = false;
+  LoopParameters loop_parameters;
+  loop_parameters.real_time = false;
   HandlingParameters handling;
   handling.mapping.offset_m = Vec3(0, 0, scene.bed().surfaceHeight() - 0.015);
-  HapticLoop loop(scene, device, unpaced, false, handling);
+  HapticLoop loop(scene, device, loop_parameters, false, handling);
   while (device.ticks_ < 385) {  // the first tick, and every 16th after it, is shown
     ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
   }

@@ -77,8 +77,8 @@ class LiveViewTest : public testing::Test {
   explicit LiveViewTest(bool has_extension = false, LiveView::Clients clients = LiveView::Clients::kCommand,
                         std::unique_ptr<HapticDevice> device = nullptr) {
     SceneFile scene_file;
-    scene_file.hand.manoeuvre = Manoeuvre::kStill;
-    scene_file.loop.paced = false;
+    scene_file.hand.motion = HandMotion::kStill;
+    scene_file.loop.real_time = false;
     session_ = std::make_unique<Session>(scene_file, false, SettleProgress{}, std::move(device));
     view_ = std::make_unique<LiveView>(*session_, WebServerOptions{.port = 0, .takes_uploads = true}, "test",
                                        LiveView::Recorder{.start =
@@ -417,9 +417,9 @@ TEST_F(OnlookersOfLiveViewTest, SeeEverythingAndChangeNothing) {
   EXPECT_EQ(Json::parse(client.receive().value())["read_only"], true);
   for (const Json& command :
        {Json{{"do", "scene"}, {"body", "Mars"}}, Json{{"do", "hold"}, {"pose", {0, 0, 0.1, 1, 0, 0, 0}}},
-        Json{{"do", "play"}, {"manoeuvre", "stir"}}, Json{{"do", "pause"}}, Json{{"do", "resume"}},
-        Json{{"do", "step"}}, Json{{"do", "speed"}, {"factor", 0.5}}, Json{{"do", "reset"}}, Json{{"do", "level"}},
-        Json{{"do", "undo"}}, Json{{"do", "record"}, {"on", true}}}) {
+        Json{{"do", "play"}, {"motion", "stir"}}, Json{{"do", "pause"}}, Json{{"do", "resume"}}, Json{{"do", "step"}},
+        Json{{"do", "speed"}, {"factor", 0.5}}, Json{{"do", "reset"}}, Json{{"do", "level"}}, Json{{"do", "undo"}},
+        Json{{"do", "record"}, {"on", true}}}) {
     const Json reply = ask(client, command);
     EXPECT_EQ(reply["ok"], false) << command;
     EXPECT_THAT(reply["error"].get<std::string>(), testing::HasSubstr("--read-only"));
@@ -501,7 +501,7 @@ TEST_F(LiveViewTest, TheFirstToHoldHasTheToolUntilItLetsGoOrLeaves) {
   const Json hold{{"do", "hold"}, {"pose", {0, 0, 0.1, 1, 0, 0, 0}}};
   EXPECT_EQ(ask(*first, hold)["ok"], true);
   EXPECT_EQ(ask(second, hold)["ok"], false);
-  EXPECT_EQ(ask(second, {{"do", "play"}, {"manoeuvre", "stir"}})["ok"], false);
+  EXPECT_EQ(ask(second, {{"do", "play"}, {"motion", "stir"}})["ok"], false);
   EXPECT_EQ(ask(second, {{"do", "release"}})["ok"], true) << "what one does not hold one may let go of";
   EXPECT_TRUE(until(second, "status", [](const Json& s) { return s["held_by"] == 1; }));
   EXPECT_EQ(ask(*first, {{"do", "release"}})["ok"], true);

@@ -171,7 +171,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     { keys: ['g'], label: 'drag anywhere to dig: on or off', group: 'tool', run: () => controls.toggleDig() },
     { keys: ['y'], label: 'virtual hand: hold still', group: 'tool', run: () => controls.holdStill() },
     { keys: ['k'], label: 'move the tool above the bed, ready to dig', group: 'tool', run: bringTool },
-    { keys: ['m'], label: 'virtual hand: next motion', group: 'tool', run: () => controls.next('manoeuvre') },
+    { keys: ['m'], label: 'virtual hand: next motion', group: 'tool', run: () => controls.next('motion') },
     { keys: ['x'], label: 'next tool', group: 'tool', run: () => controls.next('shape') },
     ...VIEW_KEYS,
     ...VIEW_NAMES.map((name, i): Shortcut => ({

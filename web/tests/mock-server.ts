@@ -216,7 +216,7 @@ export class MockServer {
         mesh: this.options.mesh ? parse(ToolMesh, this.options.mesh) : null,
       },
       stones: this.options.stones?.map(({ text }) => parse(Stone, text)),
-      hand: { manoeuvre: 'still', max_force_n: 12, max_torque_nm: 0.2 },
+      hand: { motion: 'still', max_force_n: 12, max_torque_nm: 0.2 },
       workspace: { low_m: [-far, -far, 0], high_m: [far, far, 0.4] },
     };
   }
@@ -234,7 +234,7 @@ export class MockServer {
       bodies: Object.entries(BODIES).map(([name, gravity_m_s2]) => ({ name, gravity_m_s2 })),
       frictions: ['icra2021', 'contact'],
       shapes: Object.keys(TOOL_SHAPES) as Hello['shapes'],
-      manoeuvres: ['still', 'press', 'stir', 'scoop', 'carry', 'shake', 'cut', 'furrows'],
+      motions: ['still', 'press', 'stir', 'scoop', 'carry', 'shake', 'cut', 'furrows'],
     };
   }
 
@@ -334,7 +334,7 @@ export class MockServer {
         if (this.holder === client.number) this.holder = null;
         return null;
       case 'play':
-        this.scene.hand.manoeuvre = command.manoeuvre;
+        this.scene.hand.motion = command.motion;
         this.holder = null;
         return this.sendScene();
       case 'scene':
@@ -468,7 +468,7 @@ export class MockServer {
 
   private advance(dt_s: number): void {
     this.time_s += dt_s;
-    if (this.holder === null && this.scene.hand.manoeuvre !== 'still') this.playManoeuvre();
+    if (this.holder === null && this.scene.hand.motion !== 'still') this.playMotion();
     else if (this.holder === null) this.wished = this.tool;
     // The tool follows its target and yields to the force.
     const yields_m = 0.0012;
@@ -483,7 +483,7 @@ export class MockServer {
     if (Math.random() < 0.002) ++this.misses;
   }
 
-  private playManoeuvre(): void {
+  private playMotion(): void {
     const angle = 1.2 * this.time_s;
     const pitch = 0.3 * Math.sin(angle);
     this.wished = {

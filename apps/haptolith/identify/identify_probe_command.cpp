@@ -24,8 +24,8 @@ namespace {
 
 constexpr const char* kIdentifyProbeExamples = R"(Examples:
   haptolith identify probe --out probe.csv
-  haptolith identify probe --scene field --out probe.csv
-  haptolith run field --poses probe.csv --trace measured.csv)";
+  haptolith identify probe --scene probe-field --out probe.csv
+  haptolith run probe-field --poses probe.csv --trace measured.csv)";
 
 struct ProbeOptions {
   std::string out_file;

@@ -25,7 +25,7 @@ constexpr const char* kIdentifySoilExamples = R"(Examples:
   haptolith identify soil measured.csv
   haptolith identify soil press.csv cut.csv               parts of the probe, in any order
   haptolith identify soil trace.csv --origin-mm 0,0,70 --soil-out found.toml
-  haptolith run dig --set soil.file=found.toml            run the estimated soil
+  haptolith run teleop-model --set soil.file=found.toml   run the estimated soil
 
 Format of the table: docs/how-to/identify-a-soil.md; accuracy: docs/reports/identification.md)";
 

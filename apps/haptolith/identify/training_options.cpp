@@ -82,7 +82,8 @@ Dig digFor(const MovementOptions& options) {
   ToolParameters tool;
   DiggingField field;
   if (!options.scene_file.empty() || !options.overrides.empty()) {
-    const SceneFile scene = findSceneFile(options.scene_file.empty() ? "field" : options.scene_file, options.overrides);
+    const SceneFile scene =
+        findSceneFile(options.scene_file.empty() ? "probe-field" : options.scene_file, options.overrides);
     tool = scene.tool;
     field.width_m = scene.bed.width_m;
     field.length_m = scene.bed.length_m;

@@ -42,7 +42,7 @@ struct BenchOptions {
   std::vector<int> particles{256, 2000, 10'000, 100'000, 200'000};
   std::vector<FrictionModel> friction{FrictionModel::kIcra2021, FrictionModel::kContact};
   std::vector<int> threads{1, 2};
-  Manoeuvre hand = Manoeuvre::kStir;
+  HandMotion motion = HandMotion::kStir;
   BedStart start = BedStart::kPacked;
   std::optional<double> sleep_speed_m_s;
   double sleep_distance_mm = 0;
@@ -177,7 +177,7 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
     return scenes;
   }
   HandParameters hand;
-  hand.manoeuvre = options.hand;
+  hand.motion = options.motion;
   for (const int particles : options.particles) {
     for (const FrictionModel friction : options.friction) {
       for (const int threads : options.threads) {
@@ -204,14 +204,14 @@ Histogram timerLatenessUs() {
   return late_us;
 }
 
-Json rowJson(const BenchRow& row, Manoeuvre hand) {
+Json rowJson(const BenchRow& row, HandMotion motion) {
   return {{"particles", row.particles},
           {"awake", std::lround(row.awake)},
           {"friction", wordFor(kFrictionWords, row.friction)},
           {"threads", row.threads},
           {"substeps", row.substeps},
           {"simd", simdTarget()},
-          {"hand", wordFor(kManoeuvreWords, hand)},
+          {"hand", wordFor(kHandMotionWords, motion)},
           {"ticks", row.tick_us.count()},
           {"tick_us", histogramJson(row.tick_us)},
           {"particle_steps_per_s", row.particleStepsPerSecond()},
@@ -277,7 +277,7 @@ void runBench(const BenchOptions& options) {
   if (options.json) {
     Json all = Json::array();
     for (const BenchRow& row : rows) {
-      all.push_back(rowJson(row, options.hand));
+      all.push_back(rowJson(row, options.motion));
     }
     printJson({{"soil", options.soil.soil}, {"timer_late_us", histogramJson(late_us)}, {"rows", all}});
     return;
@@ -286,9 +286,10 @@ void runBench(const BenchOptions& options) {
       "bench: {}, {}, {:g} s each. The machine wakes a sleeping thread {:.0f} us late (99 %: {:.0f}).\n\n"
       "  particles     awake friction threads substeps     p50 us    p99 us  p99.9 us    max us  M p.st./s lists us  "
       "B/part.  made s\n",
-      options.scenes.empty() ? fmt::format("{}, hand {}", options.soil.soil, wordFor(kManoeuvreWords, options.hand))
-                             : fmt::format("{}", fmt::join(options.scenes, ", ")),
-      simdTarget(), options.seconds, late_us.percentile(0.5), late_us.percentile(0.99));
+      options.scenes.empty()
+          ? fmt::format("{}, motion {}", options.soil.soil, wordFor(kHandMotionWords, options.motion))
+          : fmt::format("{}", fmt::join(options.scenes, ", ")),
+      instructionSetName(simdTarget()), options.seconds, late_us.percentile(0.5), late_us.percentile(0.99));
   for (const BenchRow& row : rows) {
     table += rowText(row);
   }
@@ -326,8 +327,8 @@ void addBenchCommand(CLI::App& app) {
   command->add_option("--radius-mm", options->soil.radius_mm, "Radius of a particle in mm [the soil's]");
   const std::map<std::string, BedStart> starts{{"packed", BedStart::kPacked}, {"settled", BedStart::kSettled}};
   command->add_option("--start", options->start, "Initial state of the soil [packed]")->transform(wordOf(starts));
-  const std::map<std::string, Manoeuvre> hands{{"stir", Manoeuvre::kStir}, {"still", Manoeuvre::kStill}};
-  command->add_option("--hand", options->hand, "Motion of the hand [stir]")->transform(wordOf(hands));
+  const std::map<std::string, HandMotion> motions{{"stir", HandMotion::kStir}, {"still", HandMotion::kStill}};
+  command->add_option("--motion", options->motion, "Motion of the hand [stir]")->transform(wordOf(motions));
   command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
                       "Particles slower than this can sleep, in m/s [none sleep]");
   command->add_option("--sleep-distance-mm", options->sleep_distance_mm,

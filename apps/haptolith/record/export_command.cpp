@@ -43,10 +43,10 @@ constexpr const char* kExportExamples = R"(Examples:
   haptolith export run.h5 --format film            run.film: animation for the browser demo
   haptolith export soil.lammpstrj --format vtk     soil-vtk/: frames of a LAMMPS dump
   haptolith export run.h5 --format lammps          run-lammps/: bed and tool motion for LAMMPS
-  haptolith export field --format lammps           field-lammps/: the bed of a scene, without a tool
+  haptolith export probe-field --format lammps     probe-field-lammps/: a scene's bed, no tool
 
 Particles have id, radius, velocity and contact force. A recording does not contain velocities:
-the run is replayed to compute them, which takes as long as the unpaced run.)";
+the run is replayed to compute them, which takes as long as a run with --no-realtime.)";
 
 constexpr std::uint64_t kBlock = 4096;  // number of rows read at a time
 

@@ -31,10 +31,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kImportExamples = R"(Examples:
-  haptolith export field --format lammps                        write a bed for LAMMPS
-  cd field-lammps && mpirun -np 4 lmp -in in.haptolith          run it: writes soil.lammpstrj
-  haptolith import field-lammps/soil.lammpstrj --out dug.toml   make a scene of the last frame
-  haptolith run dug.toml                                        run it)";
+  haptolith export probe-field --format lammps                        write a bed for LAMMPS
+  cd probe-field-lammps && mpirun -np 4 lmp -in in.haptolith          run it: writes soil.lammpstrj
+  haptolith import probe-field-lammps/soil.lammpstrj --out dug.toml   make a scene of the last frame
+  haptolith run dug.toml                                              run it)";
 
 struct ImportOptions {
   std::string file, scene, out;

@@ -50,8 +50,8 @@ std::string summary(const ReplayOptions& options, const RecordingReader& recordi
   const int threads = replay.sceneFile().bed.threads;
   std::string text =
       fmt::format("{}\n  replayed   {} of {}, {} compared ({}, {})\n", replay.sceneFile().title, result.ticks,
-                  pluralise(recording.ticks(), "tick"), pluralise(result.hashes, "hash", "hashes"), simdTarget(),
-                  pluralise(threads, "thread"));
+                  pluralise(recording.ticks(), "tick"), pluralise(result.hashes, "hash", "hashes"),
+                  instructionSetName(simdTarget()), pluralise(threads, "thread"));
   if (result.difference) {
     text += fmt::format("  differs    in tick {} at {:.3f} s: {}\n", result.difference->tick, result.difference->time_s,
                         result.difference->what);
@@ -92,7 +92,8 @@ void replay(const ReplayOptions& options) {
     spdlog::warn(
         "recorded with {}, replayed with {}: results will not be bit-identical; set HAPTOLITH_SIMD={} to use the "
         "former",
-        recording.header().instruction_set, simdTarget(), recording.header().instruction_set);
+        instructionSetName(recording.header().instruction_set), instructionSetName(simdTarget()),
+        instructionSetName(recording.header().instruction_set));
   }
   StatusLine status;
   Replay replay(recording, options.threads, settlingIn(status));

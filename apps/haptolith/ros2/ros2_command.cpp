@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kRos2Examples = R"(Examples:
   haptolith ros2                              lunar soil; /haptolith/target_pose moves the tool
-  haptolith ros2 dig --hand scoop             the virtual hand digs, ROS 2 subscribes
+  haptolith ros2 teleop-model --motion scoop  the virtual hand digs, ROS 2 subscribes
   haptolith ros2 --device force-dimension     a user digs with a haptic device
   ros2 topic echo /haptolith/wrench --qos-reliability best_effort      in a shell with ROS 2
   haptolith teleop ros2                       connect a ROS 2 robot to `haptolith teleop operator`
@@ -51,8 +51,8 @@ class Ros2Companion final : public RunCompanion {
     target_.fresh_s = options.timeout_s;
     target_.low_m = {-bed.width_m / 2 - kBeside_m, -bed.length_m / 2 - kBeside_m, 0};
     target_.high_m = {bed.width_m / 2 + kBeside_m, bed.length_m / 2 + kBeside_m, bed.depth_m + kAboveSoil_m};
-    if (takes_target && !scene_file.loop.paced) {
-      throw InvalidParameter("paced", "false", "true (without --unpaced) while targets of ROS 2 move the tool");
+    if (takes_target && !scene_file.loop.real_time) {
+      throw InvalidParameter("real_time", "false", "true (without --no-realtime) while targets of ROS 2 move the tool");
     }
     node_.emplace(options.ros2.node);
     ScenePublisherParameters parameters;
@@ -139,7 +139,7 @@ void addRos2Command(CLI::App& app) {
       ->option_text("HZ");
   addRunOptions(*command, [options](SceneFile& scene_file, const SceneOptions& asked) {
     const bool somebody =
-        asked.device.kind || asked.manoeuvre || asked.poses_file || scene_file.device.kind != DeviceKind::kVirtualHand;
+        asked.device.kind || asked.motion || asked.poses_file || scene_file.device.kind != DeviceKind::kVirtualHand;
     return std::make_unique<Ros2Companion>(*options, scene_file, !somebody);
   });
 }

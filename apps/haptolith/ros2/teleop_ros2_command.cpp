@@ -35,7 +35,8 @@ constexpr const char* kTeleopRos2Examples = R"(Examples:
   haptolith teleop operator --to 127.0.0.1:7410
                                               lead the robot, in another terminal
 
-  haptolith ros2 dig-site --node-name robot   simulate the robot, with its own soil
+  haptolith ros2 teleop-site --node-name robot
+                                              simulate the robot, with its own soil
   haptolith teleop ros2 --site 0,0,0.048,0    connect it; it prints the height of its surface
 
 Frames and the limits of robot safety: docs/how-to/ros2.md.)";

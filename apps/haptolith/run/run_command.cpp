@@ -49,15 +49,15 @@ constexpr const char* kRunExamples = R"(Examples:
   haptolith run                                     lunar soil, until Ctrl-C
   haptolith run --coarser                           one step coarser particles, to save CPU time
   haptolith run icra2021                            scene of the ICRA 2021 paper
-  haptolith run --hand stir --duration-s 10         ten seconds of stirring
+  haptolith run --motion stir --duration-s 10       ten seconds of stirring
   haptolith run --soil surveyor-3 --body Mars       named soil (haptolith soil list) on another body
   haptolith run --preset P1 --json                  soil of the ICRA 2021 paper, in its scene
-  haptolith run --hand press --trace press.csv --figure press.svg
+  haptolith run --motion press --trace press.csv --figure press.svg
   haptolith run deep-bed                            another scene (haptolith scenes)
-  haptolith run sandbox --finest                    another scene, in the finest particles
+  haptolith run sandbox --auto-resolution           another scene, in the finest particles
   haptolith run --poses movement.csv                recorded motion of the hand
-  haptolith run --unpaced --duration-s 60 --json    as fast as possible, for experiments
-  haptolith run --hand still --port 9000            dig at http://127.0.0.1:9000/
+  haptolith run --no-realtime --duration-s 60       as fast as possible, for experiments
+  haptolith run --motion still --port 9000          dig at http://127.0.0.1:9000/
   haptolith run --device force-dimension            use a haptic device (haptolith devices)
   haptolith run --duration-s 60 --record run.h5     record for haptolith replay and export)";
 
@@ -65,7 +65,7 @@ constexpr const char* kRunExamples = R"(Examples:
 struct RunOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
-  bool unpaced = false, finest = false, measure_again = false;
+  bool no_realtime = false, auto_resolution = false, measure_again = false;
   int coarser = 0;  ///< number of steps
   std::optional<int> cpu;
   std::string trace_file, figure_file, record_file;
@@ -80,7 +80,7 @@ struct RunOptions {
 SceneFile sceneFileFor(const RunOptions& options) {
   SceneFile scene_file = sceneFileFor(options.scene);
   scene_file.loop.duration_s = options.duration_s.value_or(scene_file.loop.duration_s);
-  scene_file.loop.paced = scene_file.loop.paced && !options.unpaced;
+  scene_file.loop.real_time = scene_file.loop.real_time && !options.no_realtime;
   scene_file.loop.cpu = options.cpu.value_or(scene_file.loop.cpu);
   validate(scene_file);
   requireUsableCpu(scene_file.loop.cpu);
@@ -88,13 +88,13 @@ SceneFile sceneFileFor(const RunOptions& options) {
 }
 
 /// Selects the finest particles that the machine allows, if the scene permits: `auto` unless a radius is given, and any
-/// other with --finest.
+/// other with --auto-resolution.
 std::optional<FinestGrain> fitted(SceneFile& scene_file, const RunOptions& options) {
   const SceneOptions& asked = options.scene;
   const bool has_radius = setsKey(asked.overrides, "soil.radius_mm");
   const bool has_threads = asked.threads || setsKey(asked.overrides, "bed.threads");
   const bool is_auto = asked.scene() == kAutoScene;
-  if (!options.finest && (!is_auto || has_radius || !canBeFitted(scene_file))) {
+  if (!options.auto_resolution && (!is_auto || has_radius || !canBeFitted(scene_file))) {
     if (is_auto && !has_threads) {
       scene_file.bed.threads = std::min(2, loopThreads());
     }
@@ -236,9 +236,9 @@ class Follower {
 
   [[nodiscard]] std::string statusText(const SceneSnapshot& now) const {
     const double wanted = scene_file_.loop.duration_s;
-    const std::string deadlines = scene_file_.loop.paced ? fmt::format("  in time {:5.1f} %  misses {}",
-                                                                       100 * now.success_rate, now.deadline_misses)
-                                                         : "";
+    const std::string deadlines = scene_file_.loop.real_time ? fmt::format("  in time {:5.1f} %  misses {}",
+                                                                           100 * now.success_rate, now.deadline_misses)
+                                                             : "";
     return fmt::format("{}{}  {} {:6.2f} N  tick p99 {:5.0f} us{}  awake {}", fmt::format("{:7.1f} s", now.time_s),
                        wanted > 0 ? fmt::format(" of {:g} s", wanted) : "",
                        now.trip == SafetyTrip::kNone ? "force" : "SAFETY TRIP", now.device_wrench.force_n.norm(),
@@ -339,7 +339,7 @@ void run(const RunOptions& options) {
   if (!options.figure_file.empty()) {
     figure.emplace(options.overwrite(options.figure_file), kRunFigureWidth_px, kRunFigureHeight_px);
   }
-  const bool serves = options.serve.value_or(scene_file.loop.paced && !options.json);
+  const bool serves = options.serve.value_or(scene_file.loop.real_time && !options.json);
   const bool leads = companion && companion->leadsRobot();
   const bool keeps_records = follower.wantsRecords() || serves || companion || !options.record_file.empty();
   std::optional<WaitingPage> waiting;
@@ -364,7 +364,7 @@ void run(const RunOptions& options) {
   if (keeps_records) {
     taker.emplace(session.loop(), follower.recording(),
                   follower.wantsRecords() || leads ? RecordTaker::Keep::kForTake : RecordTaker::Keep::kNothing,
-                  scene_file.loop.paced, companion ? companion->listener() : RecordTaker::Listener());
+                  scene_file.loop.real_time, companion ? companion->listener() : RecordTaker::Listener());
   }
   SessionDriver driver(session, follower.recording(), follower.status(), view.get(), taker ? &*taker : nullptr);
   session.start(stopAsked());
@@ -379,18 +379,19 @@ void run(const RunOptions& options) {
         }
         return true;
       },
-      !scene_file.loop.paced ? 1ms
-      : view || leads        ? 4ms
-                             : 20ms);
+      !scene_file.loop.real_time ? 1ms
+      : view || leads            ? 4ms
+                                 : 20ms);
   const LoopEnd end = session.join();
   follower.follow(session, driver.look());
-  const RunSummary summary{
-      end,
-      session.realTime(),
-      taker ? taker->lost() : 0,
-      finest,
-      scene_file.loop.paced ? deadlineAdvice(session.loop().statistics(), coarserSoil(options, session.shown())) : "",
-      session.device().inputSummary()};
+  const RunSummary summary{end,
+                           session.realTime(),
+                           taker ? taker->lost() : 0,
+                           finest,
+                           scene_file.loop.real_time
+                               ? deadlineAdvice(session.loop().statistics(), coarserSoil(options, session.shown()))
+                               : "",
+                           session.device().inputSummary()};
   follower.finish(summary.end, session.loop().time());
   driver.tellTheRest();
   if (figure) {
@@ -431,9 +432,9 @@ void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
   command->add_option("--duration-s", options->duration_s, "Simulated time [until Ctrl-C]")
       ->check(numberIn(LoopRanges::duration_s))
       ->option_text("SECONDS");
-  command->add_flag("--unpaced", options->unpaced, "Run as fast as possible instead of in real time");
+  command->add_flag("--no-realtime", options->no_realtime, "Run as fast as possible instead of in real time");
   command->add_flag(
-      "--finest", options->finest,
+      "--auto-resolution", options->auto_resolution,
       "Use the finest particles of settled soil that this machine renders in real time; always on in scene auto");
   command->add_flag("--coarser", options->coarser,
                     "Use particles that are one step coarser, 5 to 10 % larger; can be repeated");
@@ -453,7 +454,8 @@ void addOptions(CLI::App* command, const std::shared_ptr<RunOptions>& options) {
   options->overwrite.addTo(*command);
   addJson(*command, options->json);
   CLI::Option* serve = command->add_flag_callback(
-      "--serve", [options] { options->serve = true; }, "Show the scene in the browser [unless --unpaced or --json]");
+      "--serve", [options] { options->serve = true; },
+      "Show the scene in the browser [unless --no-realtime or --json]");
   command
       ->add_flag_callback(
           "--no-serve", [options] { options->serve = false; }, "Do not show the scene in the browser")

@@ -41,7 +41,7 @@ std::string soilText(const SceneFile& scene_file) {
                      wordFor(kFrictionWords, scene_file.bed.soil.friction));
 }
 
-/// Describes the lateness of paced ticks; empty without any.
+/// Describes the lateness of ticks in real time; empty without any.
 std::string wakeUpText(const Histogram& late_us) {
   return late_us.count() == 0
              ? ""
@@ -73,7 +73,7 @@ nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& sce
                                    const RunSummary& summary) {
   const LoopStatistics& statistics = loop.statistics();
   const auto misses = [&](Miss cause) {
-    return scene_file.loop.paced ? Json(statistics.misses(cause)) : Json(nullptr);
+    return scene_file.loop.real_time ? Json(statistics.misses(cause)) : Json(nullptr);
   };
   return {{"title", scene_file.title},
           {"preset", scene_file.preset},
@@ -91,13 +91,13 @@ nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& sce
           {"duration_s", loop.time()},
           {"ended", text(summary.end)},
           {"tick_us", histogramJsonWithBuckets(statistics.tickUs())},
-          {"late_us", scene_file.loop.paced ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
-          {"deadline_misses", scene_file.loop.paced ? Json(statistics.deadlineMisses()) : Json(nullptr)},
+          {"late_us", scene_file.loop.real_time ? histogramJsonWithBuckets(statistics.lateUs()) : Json(nullptr)},
+          {"deadline_misses", scene_file.loop.real_time ? Json(statistics.deadlineMisses()) : Json(nullptr)},
           {"misses_too_long", misses(Miss::kTooLong)},
           {"misses_woken_late", misses(Miss::kWokenLate)},
           {"misses_preempted", misses(Miss::kPreempted)},
           {"advice", summary.advice.empty() ? Json(nullptr) : Json(summary.advice)},
-          {"success_rate_last_100", scene_file.loop.paced ? Json(statistics.successRate()) : Json(nullptr)},
+          {"success_rate_last_100", scene_file.loop.real_time ? Json(statistics.successRate()) : Json(nullptr)},
           {"force_n", statisticsJson(statistics.forceN())},
           {"torque_nm", statisticsJson(statistics.torqueNm())},
           {"largest_speed_m_s", scene.bed().largestSpeed()},
@@ -125,9 +125,10 @@ std::string summaryText(const SceneFile& scene_file, const Scene& scene, const H
       fmt::arg("g", scene_file.bed.gravity_m_s2.norm()), fmt::arg("substeps", pluralise(scene.substeps(), "substep")),
       fmt::arg("time", loop.time()), fmt::arg("ticks", s.ticks()), fmt::arg("end", text(summary.end)),
       fmt::arg("mean", t.mean()), fmt::arg("p50", t.percentile(0.5)), fmt::arg("p99", t.percentile(0.99)),
-      fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()), fmt::arg("simd", simdTarget()),
+      fmt::arg("p999", t.percentile(0.999)), fmt::arg("max", t.max()),
+      fmt::arg("simd", instructionSetName(simdTarget())),
       fmt::arg("threads", pluralise(scene_file.bed.threads, "thread")),
-      fmt::arg("deadlines", scene_file.loop.paced ? deadlinesText(s) : "none: not in real time"),
+      fmt::arg("deadlines", scene_file.loop.real_time ? deadlinesText(s) : "none: not in real time"),
       fmt::arg("scheduler", summary.real_time.scheduler),
       fmt::arg("cpu", summary.real_time.cpu == kAnyCpu ? "" : fmt::format(" on CPU {}", summary.real_time.cpu)),
       fmt::arg("wakeup", wakeUpText(s.lateUs())),

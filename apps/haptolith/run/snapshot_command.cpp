@@ -34,11 +34,11 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr const char* kSnapshotExamples = R"(Examples:
-  haptolith snapshot --hand scoop --out view.png            lunar soil after two seconds
+  haptolith snapshot --motion scoop --out view.png          lunar soil after two seconds
   haptolith snapshot --at-s 3.5 --theme light --no-panels --out bed.png
   haptolith snapshot --body Mars --colour force --view front --out mars.png
   haptolith snapshot scenes/sandbox.toml --out sandbox.png
-  haptolith snapshot --film --duration-s 8 --hand scoop --out scoop.mp4
+  haptolith snapshot --film --duration-s 8 --motion scoop --out scoop.mp4
 
 Requires Chromium (apt install chromium), which runs without a window; films also require ffmpeg.
 HAPTOLITH_CHROMIUM=PATH selects another Chromium than the one in PATH.)";
@@ -71,18 +71,18 @@ struct SnapshotOptions {
   double duration_s = 8, frames_per_s = 30;
 };
 
-/// Returns the scene, unpaced and without an end: time advances only as required by a snapshot.
+/// Returns the scene, not in real time and without an end: time advances only as required by a snapshot.
 SceneFile sceneFileFor(const SnapshotOptions& options) {
   SceneFile scene_file = sceneFileFor(options.scene);
-  if (options.scene.manoeuvre || options.scene.poses_file) {
+  if (options.scene.motion || options.scene.poses_file) {
     scene_file.device = {};
   }
   if (scene_file.device.kind != DeviceKind::kVirtualHand) {  // its speed would not be that of simulated time
     throw InvalidParameter(
         "device", fmt::format("'{}'", wordFor(kDeviceWords, scene_file.device.kind)),
-        "virtual-hand, the only device of a snapshot: add --device virtual-hand, or choose a motion with --hand");
+        "virtual-hand, the only device of a snapshot: add --device virtual-hand, or choose a motion with --motion");
   }
-  scene_file.loop.paced = false;
+  scene_file.loop.real_time = false;
   scene_file.loop.duration_s = 0;
   validate(scene_file);
   return scene_file;

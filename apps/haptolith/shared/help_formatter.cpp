@@ -103,10 +103,10 @@ using Names = std::vector<const char*>;
 const std::vector<std::pair<const char*, Names>>& optionGroups() {
   static const std::vector<std::pair<const char*, Names>> kGroups{
       {"Soil and scene",
-       {"--set", "--preset", "--soil", "--friction-model", "--body", "--finest", "--coarser", "--measure-again",
+       {"--set", "--preset", "--soil", "--friction-model", "--body", "--auto-resolution", "--coarser", "--measure-again",
         "--model", "--site", "--set-site", "--radius-mm", "--stiffness-n-m"}},
       {"Hand and device",
-       {"--hand", "--poses", "--device", "--device-id", "--device-library", "--device-address", "--device-key-file",
+       {"--motion", "--poses", "--device", "--device-id", "--device-library", "--device-address", "--device-key-file",
         "--device-insecure"}},
       {"Link",
        {"--profile", "--round-trip-s", "--jitter-ms", "--loss", "--burst-loss", "--rate-kbit-s", "--outage",
@@ -116,7 +116,7 @@ const std::vector<std::pair<const char*, Names>>& optionGroups() {
         "--robot-timeout-s", "--max-force-n", "--stop-force-n", "--max-speed-m-s", "--learn", "--no-learn", "--mend",
         "--no-mend"}},
       {"ROS 2", {"--node-name", "--ros-namespace", "--domain", "--localhost", "--target-timeout-s", "--surface-hz"}},
-      {"Run", {"--duration-s", "--unpaced", "--threads", "--cpu", "--seed", "--seeds", "--resume"}},
+      {"Run", {"--duration-s", "--no-realtime", "--threads", "--cpu", "--seed", "--seeds", "--resume"}},
       {"Picture",
        {"--at-s", "--width", "--height", "--view", "--drawing", "--colour", "--theme", "--panels", "--no-panels",
         "--film", "--fps", "--require-in-time"}},

@@ -33,10 +33,10 @@ std::map<std::string, Value> choicesOf(const std::array<SceneWord<Value>, kWords
   return choices;
 }
 
-/// Returns the values of --hand: every manoeuvre except "poses", which has a separate option.
-std::map<std::string, Manoeuvre> handChoices() {
-  auto choices = choicesOf(kManoeuvreWords);
-  std::erase_if(choices, [](const auto& choice) { return choice.second == Manoeuvre::kPoses; });
+/// Returns the values of --motion: every motion except "poses", which has a separate option.
+std::map<std::string, HandMotion> motionChoices() {
+  auto choices = choicesOf(kHandMotionWords);
+  std::erase_if(choices, [](const auto& choice) { return choice.second == HandMotion::kPoses; });
   return choices;
 }
 
@@ -113,17 +113,17 @@ void SceneOptions::addTo(CLI::App& command) {
       ->transform(wordOf(choicesOf(kFrictionWords)))
       ->option_text("icra2021|contact");
   command.add_option("--body", body, kBodyHelp)->option_text("NAME");
-  CLI::Option* hand = command.add_option("--hand", manoeuvre, "Motion of the virtual hand");
-  hand->transform(wordOf(handChoices()))->option_text("still|press|stir|scoop|carry|shake|cut|furrows");
+  CLI::Option* by_motion = command.add_option("--motion", motion, "Motion of the virtual hand");
+  by_motion->transform(wordOf(motionChoices()))->option_text("still|press|stir|scoop|carry|shake|cut|furrows");
   command
       .add_option("--poses", poses_file, "Motion of the virtual hand as a CSV of poses: t_s,x_m,y_m,z_m,qw,qx,qy,qz")
       ->option_text("FILE")
-      ->excludes(hand);
+      ->excludes(by_motion);
   command.add_option("--threads", threads, kThreadsHelp)->check(wholeNumberIn(BedRanges::threads))->option_text("N");
   command.add_option("--seed", seed, "Seed of a bed that starts as rain or settled")
       ->check(wholeNumberIn(BedRanges::seed))
       ->option_text("N");
-  device.addTo(command)->excludes(hand);
+  device.addTo(command)->excludes(by_motion);
 }
 
 SceneFile sceneFileFor(const SceneOptions& options) {
@@ -141,11 +141,11 @@ SceneFile sceneFileFor(const SceneOptions& options) {
   if (options.body) {
     changeBody(scene_file, *options.body);
   }
-  if (options.manoeuvre) {
-    scene_file.hand.manoeuvre = *options.manoeuvre;
+  if (options.motion) {
+    scene_file.hand.motion = *options.motion;
   }
   if (options.poses_file) {
-    scene_file.hand.manoeuvre = Manoeuvre::kPoses;
+    scene_file.hand.motion = HandMotion::kPoses;
     scene_file.hand.poses_file = *options.poses_file;
   }
   bed.threads = options.threads.value_or(bed.threads);

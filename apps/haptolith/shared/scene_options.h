@@ -36,7 +36,7 @@ struct SceneOptions {
   std::vector<std::string> overrides;  ///< overrides of scene keys, each "table.key=value"
   std::optional<std::string> preset, soil, body, poses_file;
   std::optional<FrictionModel> friction;
-  std::optional<Manoeuvre> manoeuvre;
+  std::optional<HandMotion> motion;
   std::optional<int> threads;
   std::optional<std::uint64_t> seed;
   DeviceOptions device;

@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyExploreExamples = R"(Examples:
   haptolith study explore                                          everything: some minutes
-  haptolith study explore --block gravity --friction-model icra2021 --hand stir --repeats 10
+  haptolith study explore --block gravity --friction-model icra2021 --motion stir --repeats 10
   haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
   haptolith study explore --protocol buried-stone                  information in force and in view
 
@@ -47,7 +47,7 @@ Results and definitions: docs/reports/perception.md)";
 struct ExploreOptions {
   PerceptionOptions perception;
   PerceiveOptions perceive;
-  std::string block = "both", friction = "both", hand = "all";
+  std::string block = "both", friction = "both", motion = "all";
   std::string csv_file, figure_file, weber_figure_file;
   std::vector<std::string> protocols;  ///< empty: the stimuli of icra2021
   Overwrite overwrite;
@@ -62,9 +62,10 @@ PerceptionOptions perceptionOf(const ExploreOptions& options) {
   if (options.friction != "both") {
     wanted.frictions = {options.friction == "icra2021" ? FrictionModel::kIcra2021 : FrictionModel::kContact};
   }
-  if (options.hand != "all") {
-    std::erase_if(wanted.hands,
-                  [&](Manoeuvre hand) { return wordFor(kManoeuvreWords, hand) != std::string_view(options.hand); });
+  if (options.motion != "all") {
+    std::erase_if(wanted.hands, [&](HandMotion motion) {
+      return wordFor(kHandMotionWords, motion) != std::string_view(options.motion);
+    });
   }
   wanted.threads =
       wanted.threads > 0 ? wanted.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -118,7 +119,7 @@ Json jsonOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perce
   Json all = Json::array();
   for (const PerceivedCue& one : perceived) {
     const Discrimination& of = one.discrimination;
-    Json row = {{"hand", one.hand ? wordFor(kManoeuvreWords, *one.hand) : "all"},
+    Json row = {{"hand", one.hand ? wordFor(kHandMotionWords, *one.hand) : "all"},
                 {"cue", one.cue != nullptr ? one.cue->name : "all"}};
     if (one.cue != nullptr) {
       row.update(
@@ -162,7 +163,7 @@ void saveCsv(const ExploreOptions& options, const PerceptionOptions& wanted,
           const Exploration& one = block.explorations[i][hand][repeat];
           file.write(fmt::format("{},{},{},{},{},{},{:.7g},{:.7g},{:.7g}", block.name,
                                  wordFor(kFrictionWords, block.friction), block.stimuli[i].name, block.stimuli[i].x,
-                                 wordFor(kManoeuvreWords, wanted.hands[hand]), repeat + 1, one.summary.duration_s,
+                                 wordFor(kHandMotionWords, wanted.hands[hand]), repeat + 1, one.summary.duration_s,
                                  one.summary.path_m, one.summary.work_j));
           for (const Cue& cue : cues()) {
             file.write(fmt::format(",{:.7g}", cue.value(one)));
@@ -274,7 +275,7 @@ void addStudyExploreCommand(CLI::App& study) {
       ->check(oneOf({"icra2021", "contact", "both"}))
       ->excludes(protocols)
       ->capture_default_str();
-  command->add_option("--hand", options->hand, "Motion of the hand")
+  command->add_option("--motion", options->motion, "Motion of the hand")
       ->check(oneOf({"stir", "press", "scoop", "all"}))
       ->excludes(protocols)
       ->capture_default_str();

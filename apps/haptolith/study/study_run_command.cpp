@@ -78,9 +78,9 @@ SceneFile sceneFor(const StudyRunOptions& options, const StudyProtocol& protocol
   }
   SceneFile scene = learns(protocol) ? readyToLearn(protocol.scene) : protocol.scene;
   options.device.applyTo(scene.device);
-  scene.hand.manoeuvre = Manoeuvre::kStill;  // without a device the participant moves it
+  scene.hand.motion = HandMotion::kStill;  // without a device the participant moves it
   scene.loop.duration_s = 0;
-  scene.loop.paced = true;
+  scene.loop.real_time = true;
   validate(scene);
   return scene;
 }

@@ -39,7 +39,7 @@ constexpr const char* kStudySimulateExamples = R"(Examples:
   haptolith study new try.study --protocol icra2021-friction
   haptolith study simulate try.study --participants 8 --weber 0.29
   haptolith study figure try.study --out try.svg
-  haptolith study simulate try.study --hand stir --judge mean-force --weber 0.1
+  haptolith study simulate try.study --motion stir --judge mean-force --weber 0.1
                                      judge the force of a simulated exploration
   haptolith study simulate dig.study --participants 2
                                      robot tasks with a virtual operator: some minutes)";
@@ -50,13 +50,13 @@ struct SimulateOptions {
   ObserverParameters observer;
   double spread = 0;
   std::uint64_t seed = 1;
-  std::optional<Manoeuvre> hand;
+  std::optional<HandMotion> motion;
 };
 
-/// Returns the manoeuvres with which a simulated hand can explore.
-const std::map<std::string, Manoeuvre>& handChoices() {
-  static const std::map<std::string, Manoeuvre> kChoices{
-      {"stir", Manoeuvre::kStir}, {"press", Manoeuvre::kPress}, {"scoop", Manoeuvre::kScoop}};
+/// Returns the motions with which a simulated hand can explore.
+const std::map<std::string, HandMotion>& motionChoices() {
+  static const std::map<std::string, HandMotion> kChoices{
+      {"stir", HandMotion::kStir}, {"press", HandMotion::kPress}, {"scoop", HandMotion::kScoop}};
   return kChoices;
 }
 
@@ -66,13 +66,12 @@ const std::map<std::string, JudgedBy>& judgeChoices() {
   return kChoices;
 }
 
-/// Returns the rig of a simulated study: its hand explores with --hand, otherwise there is no bed.
+/// Returns the rig of a simulated study: its hand explores with --motion, otherwise there is no bed.
 std::unique_ptr<Rig> rigFor(const SimulateOptions& options, const StudyProtocol& protocol, std::uint64_t people_before,
                             const TeleopProgress& progress) {
   std::unique_ptr<Rig> rig = std::make_unique<RigWithoutBed>();
-  if (options.hand) {
-    rig =
-        std::make_unique<SimulatedRig>(protocol, ExplorationOptions{.manoeuvre = *options.hand, .seed = options.seed});
+  if (options.motion) {
+    rig = std::make_unique<SimulatedRig>(protocol, ExplorationOptions{.motion = *options.motion, .seed = options.seed});
   }
   // Offsets of seeds, so that a resumed study has other soils than before.
   constexpr std::uint64_t kTrialsOfSeed = 1'000'000, kTrialsOfPerson = 1000;
@@ -94,7 +93,7 @@ std::string simulationText(const SimulateOptions& options, const ObserverParamet
             {"lapse", who.lapse},
             {"learning", who.learning},
             {"judge", nameIn(judgeChoices(), who.judged_by, "value")},
-            {"hand", options.hand ? nameIn(handChoices(), *options.hand, "none") : "none"},
+            {"hand", options.motion ? nameIn(motionChoices(), *options.motion, "none") : "none"},
             {"seed", options.seed},
             {"own_weber", who.weber_fraction}};
   if (who.group_factor != 1) {
@@ -199,11 +198,11 @@ void addStudySimulateCommand(CLI::App& study) {
                                         "Quantity that is compared with Weber fraction W [the stimulus' value]")
                            ->transform(wordOf(judgeChoices()))
                            ->option_text("mean-force|peak-force|work");
-  CLI::Option* hand = command->add_option("--hand", options->hand, "Motion of the exploration, with --judge")
-                          ->transform(wordOf(handChoices()))
-                          ->option_text("stir|press|scoop")
-                          ->needs(judge);
-  judge->needs(hand);
+  CLI::Option* motion = command->add_option("--motion", options->motion, "Motion of the exploration, with --judge")
+                            ->transform(wordOf(motionChoices()))
+                            ->option_text("stir|press|scoop")
+                            ->needs(judge);
+  judge->needs(motion);
   command->add_option("--seed", options->seed, fmt::format("{} [1]", kSeedHelp))->option_text("N");
   command->callback([options] { simulate(*options); });
 }

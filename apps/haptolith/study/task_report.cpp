@@ -34,7 +34,7 @@ std::string taskTable(const std::string& protocol, const TaskPerception& task, c
       "per\n"
       "second of exploring, with its 95 % interval\n"
       "  {:>9}  {:<31}  {:<31}  {:<31}\n",
-      protocol, task.block, task.axis_label, task.reference, wordFor(kManoeuvreWords, task.hand), task.duration_s,
+      protocol, task.block, task.axis_label, task.reference, wordFor(kHandMotionWords, task.hand), task.duration_s,
       options.repeats, std::min(options.beds, options.repeats), "level", "force d'    d'/s", "picture d'  d'/s",
       "soil's d'   d'/s");
   for (const TaskLevel& level : task.levels) {
@@ -75,7 +75,7 @@ Json taskJson(const std::string& protocol, const TaskPerception& task, const Tas
   return {{"protocol", protocol},
           {"block", task.block},
           {"axis_label", task.axis_label},
-          {"hand", wordFor(kManoeuvreWords, task.hand)},
+          {"hand", wordFor(kHandMotionWords, task.hand)},
           {"exploration_s", task.duration_s},
           {"repeats", options.repeats},
           {"seed", options.seed},

@@ -50,7 +50,7 @@ constexpr const char* kTeleopBenchExamples = R"(Examples:
   haptolith teleop bench --task trench --round-trip-s 0,2.6     completion time of a task
   haptolith teleop bench --case learning,twin --set soil.radius_mm=4 --set-site soil.radius_mm=3
                                                     finer particles: less noise in the forces
-  haptolith teleop bench --site dig --set soil.radius_mm=5      model and site swapped
+  haptolith teleop bench --site teleop-model --set soil.radius_mm=5      model and site swapped
 
 Results and definitions: docs/reports/teleop-bench.md)";
 
@@ -87,14 +87,14 @@ bool learns(Case which) {
 }
 
 struct TeleopBenchOptions {
-  std::string model = "dig", site = "dig-site";
+  std::string model = "teleop-model", site = "teleop-site";
   std::vector<std::string> cases;  ///< empty: those suitable for the model
   std::vector<std::string> model_overrides, site_overrides;
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
   std::optional<double> duration_given_s;
   std::optional<double> lets_go_s;
-  std::string task;  ///< empty: the scene's manoeuvre
+  std::string task;  ///< empty: the scene's motion
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::string csv_file, figure_file;
   Overwrite overwrite;
@@ -102,8 +102,8 @@ struct TeleopBenchOptions {
   std::optional<bool> mends;  ///< whether a model's surface is adapted; default: if it learns
 
   [[nodiscard]] double duration() const {
-    constexpr double kOfManoeuvre_s = 40, kOfTask_s = 180;
-    return duration_given_s.value_or(task.empty() ? kOfManoeuvre_s : kOfTask_s);
+    constexpr double kOfMotion_s = 40, kOfTask_s = 180;
+    return duration_given_s.value_or(task.empty() ? kOfMotion_s : kOfTask_s);
   }
 };
 
@@ -386,10 +386,10 @@ void addTeleopBench(CLI::App& teleop) {
   CLI::App* command = teleop.add_subcommand("bench", "Simulate delayed teleoperation: force error and tracking error");
   command->footer(kTeleopBenchExamples);
   command->add_option("--model", options->model, "Scene of the operator: its hand digs, its soil is rendered")
-      ->option_text("SCENE [dig]");
+      ->option_text("SCENE [teleop-model]");
   command->add_option("--set", options->model_overrides, "Set a key of the operator's scene; can be repeated")
       ->option_text("TABLE.KEY=VALUE");
-  command->add_option("--site", options->site, "Scene of the robot's site")->option_text("SCENE [dig-site]");
+  command->add_option("--site", options->site, "Scene of the robot's site")->option_text("SCENE [teleop-site]");
   command->add_option("--set-site", options->site_overrides, "Set a key of the site's scene; can be repeated")
       ->option_text("TABLE.KEY=VALUE");
   command->add_option("--round-trip-s", options->round_trips_s, "Round-trip delays")
@@ -413,7 +413,7 @@ void addTeleopBench(CLI::App& teleop) {
       ->add_option("--task", options->task,
                    "Task that ends the run. trench: dig 40 mm deep; press: press the tool's face on the soil with 8 N; "
                    "scoop: lift 0.1 N of soil")
-      ->option_text("trench|press|scoop [the scene's manoeuvre]")
+      ->option_text("trench|press|scoop [the scene's motion]")
       ->check(oneOf({"trench", "press", "scoop"}));
   command->add_option("--lets-go-s", options->lets_go_s, "Time at which the hand releases the tool; only with a model")
       ->option_text("SECONDS [never]")

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kOperatorExamples = R"(Examples:
   haptolith teleop remote                                    a simulated robot, in another terminal
-  haptolith teleop operator --to 127.0.0.1:7410              control it, in scene dig
+  haptolith teleop operator --to 127.0.0.1:7410              control it, in scene teleop-model
   haptolith teleop operator --to 127.0.0.1:7400 regolith     over haptolith teleop link)";
 
 struct OperatorOptions {
@@ -77,7 +77,7 @@ void addTeleopOperator(CLI::App& teleop) {
       [options](SceneFile& scene_file, const SceneOptions&) {
         return std::make_unique<RobotCompanion>(*options, scene_file);
       },
-      "dig");
+      "teleop-model");
 }
 
 }  // namespace haptolith

@@ -31,7 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kTeleopRemoteExamples = R"(Examples:
-  haptolith teleop remote                          robot in scene dig-site, at 127.0.0.1:7410
+  haptolith teleop remote                          robot in scene teleop-site, at 127.0.0.1:7410
   haptolith teleop operator --to 127.0.0.1:7410    control it, in another terminal
   haptolith teleop remote regolith --max-force-n 20
   haptolith teleop remote --listen 0.0.0.0:7410 --key-file teleop.key
@@ -41,7 +41,7 @@ Another robot can use the packets of docs/reference/teleop-packets.md,
 with include/haptolith/teleop.h in C or examples/teleop_robot.py in Python.)";
 
 struct RemoteOptions {
-  std::string site = "dig-site";
+  std::string site = "teleop-site";
   std::vector<std::string> overrides;
   std::string listen = EndOptions().listen;
   TeleopEndOptions end;
@@ -131,7 +131,7 @@ void addTeleopRemote(CLI::App& teleop) {
   CLI::App* command =
       teleop.add_subcommand("remote", "Run a simulated robot that is controlled by `haptolith teleop operator`");
   command->footer(kTeleopRemoteExamples);
-  command->add_option("site", options->site, "Scene of the robot's site [dig-site]")->option_text("SCENE");
+  command->add_option("site", options->site, "Scene of the robot's site [teleop-site]")->option_text("SCENE");
   command->add_option("--set", options->overrides, kSetHelp)->option_text("TABLE.KEY=VALUE");
   command->add_option("--listen", options->listen, "Address to listen on for commands")
       ->option_text("HOST:PORT [127.0.0.1:7410]");

@@ -98,7 +98,7 @@ SceneFile above(SceneFile scene_file, double surface_m) {
 }
 
 LoopParameters pacedBy(LoopParameters loop, bool caller) {
-  loop.paced = loop.paced && !caller;
+  loop.real_time = loop.real_time && !caller;
   return loop;
 }
 
@@ -116,8 +116,8 @@ class Loop {
         device_(deviceFor(scene_file_, device)),
         parameters_(pacedBy(scene_file_.loop, ticked_by_caller_)),
         start_tick_(scene_->startTick()) {
-    if (!ticked_by_caller_ && !parameters_.paced && !device_->simulated()) {
-      throw InvalidParameter("loop.paced", "false",
+    if (!ticked_by_caller_ && !parameters_.real_time && !device_->simulated()) {
+      throw InvalidParameter("loop.real_time", "false",
                              "true with a haptic device: forces on a hand must be rendered in real time");
     }
     const double surface_m = *scene_file_.hand.surface_m;
@@ -246,7 +246,7 @@ class Loop {
                                   {"hashed_parts", loop_->hashedParts()},
                                   {"start_tick", start_tick_ + handed_out_ + loop_->lostRecords()},
                                   {"tick_s", parameters_.tick_s},
-                                  {"paced", parameters_.paced}}
+                                  {"paced", parameters_.real_time}}
         .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);  // a device's name may hold any bytes
   }
 

@@ -160,7 +160,8 @@ SceneObject::Saved SceneObject::parsed(std::string_view bytes) {
     throw Failure(
         fmt::format("this scene was saved with the instruction set {}; on {} the result would differ; set "
                     "HAPTOLITH_SIMD={} if this machine supports it",
-                    header.instruction_set.data(), simdTarget(), header.instruction_set.data()));
+                    instructionSetName(header.instruction_set.data()), instructionSetName(simdTarget()),
+                    instructionSetName(header.instruction_set.data())));
   }
   const std::uint64_t left = bytes.size();
   const bool fits = header.made_of_bytes <= left && header.scene_file_bytes <= left - header.made_of_bytes &&

@@ -10,7 +10,7 @@ inline constexpr int kAnyCpu = -1;
 struct LoopParameters {
   double tick_s = 1e-3;
   double duration_s = 0;         ///< simulated time; 0 runs until stopped
-  bool paced = true;             ///< false: as fast as it can, for tests and studies of the soil
+  bool real_time = true;         ///< false: as fast as it can, for tests and studies of the soil
   double filter_cutoff_hz = 30;  ///< low-pass of force and torque (paper, II-E)
   int cpu = kAnyCpu;             ///< the only one that the loop's thread runs on; kAnyCpu leaves it to the system
 

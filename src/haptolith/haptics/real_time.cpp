@@ -89,7 +89,7 @@ RealTime requestRealTime(const LoopParameters& loop, bool lock_memory) {
       addAdvice(granted.advice, fmt::format("not pinned to CPU {}", loop.cpu), refused, "");
     }
   }
-  if (!loop.paced) {
+  if (!loop.real_time) {
     return granted;
   }
   fetchStack();

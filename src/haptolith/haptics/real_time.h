@@ -29,8 +29,8 @@ struct RealTime {
 /// and one that taskset has left out, it may; one outside its control group it may not. Not for the tick.
 void requireUsableCpu(int cpu);
 
-/// Makes the calling thread ready for the loop: pins it to the CPU that the parameters name and, when they are paced,
-/// asks for SCHED_FIFO and, unless told not to, locked memory. Reports the result. Call before the first tick.
+/// Makes the calling thread ready for the loop: pins it to the CPU that the parameters name and, when they ask for real
+/// time, asks for SCHED_FIFO and, unless told not to, locked memory. Reports the result. Call before the first tick.
 [[nodiscard]] RealTime requestRealTime(const LoopParameters& loop, bool lock_memory = true);
 
 /// Scheduling of threads that help the calling one in its ticks: with a real-time priority one less than its

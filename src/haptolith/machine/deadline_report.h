@@ -13,7 +13,7 @@ inline constexpr double kMissesWorthAdvice = 1e-3;
 /// "3 missed: 1 tick too long, 2 woken late, 0 processor taken away; 98 % of the last 100 in time".
 [[nodiscard]] std::string deadlinesText(const LoopStatistics& statistics);
 
-/// One line of advice when a paced run missed more than kMissesWorthAdvice of its ticks; empty
+/// One line of advice when a run in real time missed more than kMissesWorthAdvice of its ticks; empty
 /// otherwise.
 /// @param coarser  command that opens the same scene with coarser soil.
 [[nodiscard]] std::string deadlineAdvice(const LoopStatistics& statistics, std::string_view coarser);

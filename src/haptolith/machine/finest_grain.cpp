@@ -75,7 +75,7 @@ double slowTickUs(Scene& scene, const LoopParameters& loop, const std::atomic<bo
   int ticks = 0;
   const auto tick_us = [&] {
     wanted_ns = std::max(wanted_ns + period_ns, monotonicNs());
-    if (loop.paced) {
+    if (loop.real_time) {
       sleepUntilTick(wanted_ns, scene.bed());
     }
     const std::int64_t start_ns = monotonicNs();
@@ -147,7 +147,7 @@ FinestGrain finestGrain(const BedParameters& bed, const ToolParameters& tool, co
     }
     Scene scene(packing, tool);
     found.grains = static_cast<std::size_t>(std::lround(kSettledShare * static_cast<double>(scene.bed().particles())));
-    if (!loop.paced) {
+    if (!loop.real_time) {
       found.tick_us_p99 = slowTickUs(scene, loop, stop);
     } else {
       std::exception_ptr problem;

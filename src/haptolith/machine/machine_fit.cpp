@@ -159,7 +159,7 @@ std::optional<FinestGrain> finestIn(std::string_view kept, std::string_view key)
 
 FinestGrain fitToMachine(SceneFile& scene_file, const MachineFitOptions& options, const std::atomic<bool>& stop) {
   if (!canBeFitted(scene_file)) {
-    throw RefusedAction("finest",
+    throw RefusedAction("auto_resolution",
                         fmt::format("cannot choose the finest particles of '{}': the bed must start as settled, "
                                     "with particles of one size",
                                     scene_file.title));
@@ -176,7 +176,7 @@ FinestGrain fitToMachine(SceneFile& scene_file, const MachineFitOptions& options
       options.measuring();
     }
     LoopParameters loop = scene_file.loop;
-    loop.paced = true;
+    loop.real_time = true;
     finest = finestGrain(scene_file.bed, scene_file.tool, loop, threads, stop);
     if (!file.empty()) {
       keep(file, keptText(*finest, key));

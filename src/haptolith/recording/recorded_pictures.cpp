@@ -104,7 +104,7 @@ void RecordedPictures::prepareReplay() {
   const bool is_whole = header().start_tick == 0;  // otherwise it cannot be replayed anywhere, as reported below
   if (is_whole && header().instruction_set != simdTarget()) {
     why_not_replayed_ = fmt::format("it was recorded with {0}, and this run uses {1}: set HAPTOLITH_SIMD={0}",
-                                    header().instruction_set, simdTarget());
+                                    instructionSetName(header().instruction_set), instructionSetName(simdTarget()));
     return;
   }
   try {

@@ -12,8 +12,8 @@ namespace haptolith {
 
 struct RecordingOptions {
   bool overwrite = false;  ///< an existing file; it stays as it is until the new one has been made
-  /// Action of add() when the disk is so slow that 64 MiB wait to be written: wait, as suits an unpaced loop,
-  /// or end the recording. Particles are left out before, when 32 MiB wait.
+  /// Action of add() when the disk is so slow that 64 MiB wait to be written: wait, as suits a loop that is not in real
+  /// time, or end the recording. Particles are left out before, when 32 MiB wait.
   bool wait_when_full = false;
   bool robot = false;  ///< a robot follows the tool: the file has tables for its reports
 };

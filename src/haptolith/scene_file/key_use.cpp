@@ -33,8 +33,8 @@ bool isShape(const SceneFile& scene) {
   return ((scene.tool.shape == kShapes) || ...);
 }
 
-bool isManoeuvre(const SceneFile& scene) {
-  return scene.hand.manoeuvre != Manoeuvre::kPoses;
+bool isBuiltInMotion(const SceneFile& scene) {
+  return scene.hand.motion != HandMotion::kPoses;
 }
 
 bool hasRandomStones(const SceneFile& scene) {
@@ -60,7 +60,7 @@ constexpr std::string_view kStones = "[stones] count above 0";
 constexpr std::string_view kAnyStones = "[stones] count above 0, or a [[stone]]";
 constexpr std::string_view kMesh = "[tool] mesh";
 constexpr std::string_view kArm = "[hand] compliance = arm";
-constexpr std::string_view kNoPoses = "another [hand] manoeuvre than poses";
+constexpr std::string_view kNoPoses = "another [hand] motion than poses";
 constexpr std::string_view kNotDirect = "[coupling] kind = auto or virtual";
 
 /// All but those of [soil].
@@ -108,9 +108,9 @@ constexpr std::array kUses{
     KeyUse{"hand", "damping_n_s_m", isArm, kArm, false},
     KeyUse{"hand", "stiffness_n_m", isArm, kArm, false},
     KeyUse{"hand", "lever_mm", isArm, kArm, false},
-    KeyUse{"hand", "period_s", isManoeuvre, kNoPoses, true},
-    KeyUse{"hand", "depth_mm", isManoeuvre, kNoPoses, true},
-    KeyUse{"hand", "reach_mm", isManoeuvre, kNoPoses, true},
+    KeyUse{"hand", "period_s", isBuiltInMotion, kNoPoses, true},
+    KeyUse{"hand", "depth_mm", isBuiltInMotion, kNoPoses, true},
+    KeyUse{"hand", "reach_mm", isBuiltInMotion, kNoPoses, true},
 
     KeyUse{"coupling", "stiffness_n_m", isNotDirect, kNotDirect, false},
     KeyUse{"coupling", "damping_n_s_m", isNotDirect, kNotDirect, false},

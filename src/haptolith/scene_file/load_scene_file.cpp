@@ -60,9 +60,9 @@ void refuseContradictions(const TomlReader& reader) {
   for (const RivalKeys& rivals : rivalKeys()) {
     reader.refuseBoth(rivals);
   }
-  const toml::node* manoeuvre = reader.find("hand", "manoeuvre");
-  if (manoeuvre != nullptr && manoeuvre->value_or(std::string_view()) != "poses") {
-    reader.refuseBoth("hand", "poses", "manoeuvre");
+  const toml::node* motion = reader.find("hand", "motion");
+  if (motion != nullptr && motion->value_or(std::string_view()) != "poses") {
+    reader.refuseBoth("hand", "poses", "motion");
   }
   const toml::node* shape = reader.find("tool", "shape");
   if (shape != nullptr && shape->value_or(std::string_view()) != "mesh") {
@@ -103,8 +103,8 @@ void requireGrains(const TomlReader& reader, const SceneFile& scene) {
 }
 
 void requirePoses(const TomlReader& reader, const SceneFile& scene) {
-  if (scene.hand.manoeuvre == Manoeuvre::kPoses && reader.find("hand", "poses") == nullptr) {
-    reader.refuse(reader.lineOf("hand", "manoeuvre"), "[hand] manoeuvre = 'poses' needs [hand] poses, a CSV file");
+  if (scene.hand.motion == HandMotion::kPoses && reader.find("hand", "poses") == nullptr) {
+    reader.refuse(reader.lineOf("hand", "motion"), "[hand] motion = 'poses' needs [hand] poses, a CSV file");
   }
 }
 

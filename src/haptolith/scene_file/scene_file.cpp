@@ -67,8 +67,8 @@ std::string sceneInWords(const SceneFile& scene_file) {
       1e3 * scene_file.bed.soil.radius_m);
   words += scene_file.bed.stones.any() ? ", stones" : "";
   words += ", " + toolInWords(scene_file);
-  if (scene_file.device.kind == DeviceKind::kVirtualHand && scene_file.hand.manoeuvre != Manoeuvre::kStill) {
-    words += fmt::format(", {}", wordFor(kManoeuvreWords, scene_file.hand.manoeuvre));
+  if (scene_file.device.kind == DeviceKind::kVirtualHand && scene_file.hand.motion != HandMotion::kStill) {
+    words += fmt::format(", {}", wordFor(kHandMotionWords, scene_file.hand.motion));
   }
   return words;
 }

@@ -322,17 +322,17 @@ Keys keysOfTool() {
 Keys keysOfHand() {
   const auto hand = memberKeys<S>("hand", &S::hand);
   return {
-      hand.word("manoeuvre", &HandParameters::manoeuvre, kManoeuvreWords, "Motion that the hand repeats."),
+      hand.word("motion", &HandParameters::motion, kHandMotionWords, "Motion that the hand repeats."),
       {"hand", "poses", "poses",
        PathValue{[](S& s, const std::filesystem::path& v) {
                    s.hand.poses_file = v.string();
-                   s.hand.manoeuvre = Manoeuvre::kPoses;
+                   s.hand.motion = HandMotion::kPoses;
                  },
                  [](const S& s) {
-                   return s.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(s.hand.poses_file)
-                                                                : std::filesystem::path();
+                   return s.hand.motion == HandMotion::kPoses ? std::filesystem::absolute(s.hand.poses_file)
+                                                              : std::filesystem::path();
                  }},
-       "Recorded motion: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, next to the scene file. Implies `manoeuvre`."},
+       "Recorded motion: CSV with `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, next to the scene file. Implies `motion`."},
       hand.word("compliance", &HandParameters::compliance, kHandComplianceWords,
                 "Yield to force as an arm, or follow the motion exactly."),
       hand.number("mass_kg", &HandParameters::mass_kg, HandRanges::mass_kg, "Mass of the arm at the hand."),
@@ -340,11 +340,11 @@ Keys keysOfHand() {
       hand.number("stiffness_n_m", &HandParameters::stiffness_n_m, HandRanges::stiffness_n_m, "Stiffness of the arm."),
       hand.number("lever_mm", &HandParameters::lever_m, HandRanges::lever_m, kMillimetres,
                   "Lever; rotational mass, damping and stiffness are the above times its square."),
-      hand.number("period_s", &HandParameters::period_s, HandRanges::period_s, "Duration of one manoeuvre."),
+      hand.number("period_s", &HandParameters::period_s, HandRanges::period_s, "Duration of one motion."),
       hand.number("active_s", &HandParameters::active_s, HandRanges::active_s,
                   "After this time the hand leaves the soil and waits above it."),
       hand.vector("home_mm", &HandParameters::home_m, HandRanges::home_m, kMillimetres,
-                  "Start and end of the manoeuvre: x and y in the scene, z above the surface."),
+                  "Start and end of the motion: x and y in the scene, z above the surface."),
       hand.number("depth_mm", &HandParameters::depth_m, HandRanges::depth_m, kMillimetres,
                   "Depth of the tool's centre below the surface."),
       hand.number("surface_mm", &HandParameters::surface_m, HandRanges::surface_m, kMillimetres,
@@ -365,7 +365,7 @@ Keys keysOfLoop() {
   return {
       loop.number("duration_s", &LoopParameters::duration_s, LoopRanges::duration_s,
                   "Simulated time; 0 runs until stopped."),
-      loop.onOrOff("paced", &LoopParameters::paced, "Run in real time, or as fast as possible."),
+      loop.onOrOff("real_time", &LoopParameters::real_time, "Run in real time, or as fast as possible."),
       loop.number("filter_cutoff_hz", &LoopParameters::filter_cutoff_hz, LoopRanges::filter_cutoff_hz,
                   "Cutoff of the low-pass filter of force and torque (paper, II-E)."),
       loop.count("cpu", &LoopParameters::cpu, LoopRanges::cpu, "The only CPU of the loop's thread; -1: any."),
@@ -420,11 +420,11 @@ Keys keysOfHandling() {
           "Time in which forces rise from zero, at first and after each interruption; not for the virtual hand."),
       safety.number("soft_stop_s", &SafetyParameters::soft_stop_s, SafetyRanges::soft_stop_s,
                     "Time in which forces fall to zero at a regular end; not for the virtual hand."),
-      safety.count("most_misses", &SafetyParameters::most_misses, SafetyRanges::most_misses,
+      safety.count("max_missed_deadlines", &SafetyParameters::max_missed_deadlines, SafetyRanges::max_missed_deadlines,
                    "Consecutive missed deadlines before a safety trip; not for the virtual hand."),
-      safety.number("heartbeat_ms", &SafetyParameters::heartbeat_s, SafetyRanges::heartbeat_s, kMilliseconds,
-                    "Time without a tick until the watchdog trips; not for the virtual hand."),
-      safety.number("calm_s", &SafetyParameters::calm_s, SafetyRanges::calm_s,
+      safety.number("watchdog_timeout_ms", &SafetyParameters::watchdog_timeout_s, SafetyRanges::watchdog_timeout_s,
+                    kMilliseconds, "Time without a tick until the watchdog trips; not for the virtual hand."),
+      safety.number("recovery_s", &SafetyParameters::recovery_s, SafetyRanges::recovery_s,
                     "Time without a fault before forces return."),
       safety.onOrOff("passivity", &SafetyParameters::passivity,
                      "Damp energy that soil cannot supply (passivity control)."),

@@ -42,7 +42,7 @@ std::string textOf(const SceneFile& scene, std::string_view grains_file = {}) {
 /// The scene that reading its text gives: equal except for the folder of poses, and without a library.
 SceneFile readBack(SceneFile scene) {
   std::string& poses = scene.hand.poses_file;
-  poses = scene.hand.manoeuvre == Manoeuvre::kPoses ? std::filesystem::absolute(poses).string() : "";
+  poses = scene.hand.motion == HandMotion::kPoses ? std::filesystem::absolute(poses).string() : "";
   scene.device.library.clear();
   return scene;
 }

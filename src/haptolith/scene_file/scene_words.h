@@ -58,12 +58,12 @@ inline constexpr std::array kMeshFormatWords{
     SceneWord{"gltf", MeshFormat::kGltf},
 };
 
-inline constexpr std::array kManoeuvreWords{
-    SceneWord{"still", Manoeuvre::kStill}, SceneWord{"press", Manoeuvre::kPress},
-    SceneWord{"stir", Manoeuvre::kStir},   SceneWord{"scoop", Manoeuvre::kScoop},
-    SceneWord{"carry", Manoeuvre::kCarry}, SceneWord{"shake", Manoeuvre::kShake},
-    SceneWord{"cut", Manoeuvre::kCut},     SceneWord{"furrows", Manoeuvre::kFurrows},
-    SceneWord{"poses", Manoeuvre::kPoses},
+inline constexpr std::array kHandMotionWords{
+    SceneWord{"still", HandMotion::kStill}, SceneWord{"press", HandMotion::kPress},
+    SceneWord{"stir", HandMotion::kStir},   SceneWord{"scoop", HandMotion::kScoop},
+    SceneWord{"carry", HandMotion::kCarry}, SceneWord{"shake", HandMotion::kShake},
+    SceneWord{"cut", HandMotion::kCut},     SceneWord{"furrows", HandMotion::kFurrows},
+    SceneWord{"poses", HandMotion::kPoses},
 };
 
 inline constexpr std::array kDeviceWords{
@@ -85,8 +85,8 @@ inline constexpr std::array kHandComplianceWords{
 };
 
 /// Motions of the virtual hand that can be chosen while a scene runs: all except recorded poses, which need a file.
-[[nodiscard]] inline std::vector<std::string_view> playableManoeuvres() {
-  std::vector<std::string_view> names = namesOf(kManoeuvreWords);
+[[nodiscard]] inline std::vector<std::string_view> playableMotions() {
+  std::vector<std::string_view> names = namesOf(kHandMotionWords);
   std::erase(names, "poses");
   return names;
 }

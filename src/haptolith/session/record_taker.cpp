@@ -20,11 +20,11 @@ constexpr std::chrono::microseconds kSoon = 500us;
 
 }  // namespace
 
-RecordTaker::RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced, Listener listener)
+RecordTaker::RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool real_time, Listener listener)
     : loop_(loop),
       recording_(recording),
       keeps_(keep == Keep::kForTake),
-      paced_(paced),
+      real_time_(real_time),
       listener_(std::move(listener)) {
   thread_ = startThread("taking what is recorded", [this] {
     while (!ends_) {
@@ -32,7 +32,7 @@ RecordTaker::RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep kee
         const std::lock_guard lock(mutex_);
         takeNow();
       }
-      std::this_thread::sleep_for(listener_ ? kSoon : paced_ ? 10ms : 1ms);
+      std::this_thread::sleep_for(listener_ ? kSoon : real_time_ ? 10ms : 1ms);
     }
   });
 }
@@ -43,7 +43,7 @@ RecordTaker::~RecordTaker() {
 }
 
 void RecordTaker::takeNow() {
-  if (keeps_ && !paced_ && kept_.size() >= kMostKept) {
+  if (keeps_ && !real_time_ && kept_.size() >= kMostKept) {
     return;
   }
   fresh_.clear();
@@ -53,7 +53,7 @@ void RecordTaker::takeNow() {
     listener_(fresh_);
   }
   if (keeps_) {
-    const std::size_t room = paced_ ? kMostKept - std::min(kept_.size(), kMostKept) : fresh_.size();
+    const std::size_t room = real_time_ ? kMostKept - std::min(kept_.size(), kMostKept) : fresh_.size();
     const std::size_t count = std::min(room, fresh_.size());
     kept_.insert(kept_.end(), fresh_.begin(), fresh_.begin() + static_cast<std::ptrdiff_t>(count));
     not_kept_ += fresh_.size() - count;

@@ -22,9 +22,9 @@ class RecordTaker {
   using Listener = std::function<void(std::span<const TickRecord>)>;
 
   /// @param keep   whether take() is called by a user of the ticks.
-  /// @param paced  else the loop waits when too many ticks wait for take(); in step with the clock they are lost to it
-  ///               (to it alone, the recording has them).
-  RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool paced, Listener listener = {});
+  /// @param real_time  else the loop waits when too many ticks wait for take(); in real time they are lost to it (to it
+  ///                   alone, the recording has them).
+  RecordTaker(HapticLoop& loop, SessionRecording& recording, Keep keep, bool real_time, Listener listener = {});
   ~RecordTaker();
   RecordTaker(const RecordTaker&) = delete;
   RecordTaker& operator=(const RecordTaker&) = delete;
@@ -41,7 +41,7 @@ class RecordTaker {
 
   HapticLoop& loop_;
   SessionRecording& recording_;
-  const bool keeps_, paced_;
+  const bool keeps_, real_time_;
   const Listener listener_;
   mutable std::mutex mutex_;
   std::vector<TickRecord> fresh_, kept_;

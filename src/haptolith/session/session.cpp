@@ -26,11 +26,11 @@ constexpr std::size_t kMaxCachedBeds = 64;
 
 /// Before anything is made or moves.
 SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
-  if (device == nullptr && scene_file.device.kind != DeviceKind::kVirtualHand && !scene_file.loop.paced) {
+  if (device == nullptr && scene_file.device.kind != DeviceKind::kVirtualHand && !scene_file.loop.real_time) {
     throw InvalidParameter(
-        "paced", "false",
+        "real_time", "false",
         fmt::format(
-            "true (without --unpaced) with the haptic device '{}': forces on a hand must be rendered in real time",
+            "true (without --no-realtime) with the haptic device '{}': forces on a hand must be rendered in real time",
             wordFor(kDeviceWords, scene_file.device.kind)));
   }
   return scene_file;
@@ -103,7 +103,7 @@ Session::Session(SceneFile scene_file, bool keep_records, const SettleProgress& 
   if (!wanted_.hand.surface_m) {
     wanted_.hand.surface_m = current_.fresh->surface_m;
   }
-  command_.manoeuvre = wanted_.hand.manoeuvre;
+  command_.motion = wanted_.hand.motion;
   command_.surface_m = *wanted_.hand.surface_m;
   openHand(std::move(device));
   loop_ = std::make_unique<HapticLoop>(*current_.scene, *device_, wanted_.loop, keep_records,

@@ -85,7 +85,7 @@ class Session {
   // While the virtual hand has the tool:
   void hold(const Pose& scene_T_tool);
   void release();  ///< the tool stays where it is
-  void play(Manoeuvre manoeuvre);
+  void play(HandMotion motion);
 
   // --- what there is
 
@@ -100,7 +100,7 @@ class Session {
   [[nodiscard]] double surface() const noexcept { return current_.fresh->surface_m; }
   [[nodiscard]] double speed() const noexcept { return speed_; }
   [[nodiscard]] const std::optional<Pose>& held() const noexcept { return command_.held; }
-  [[nodiscard]] Manoeuvre manoeuvre() const noexcept { return command_.manoeuvre; }
+  [[nodiscard]] HandMotion motion() const noexcept { return command_.motion; }
   /// Range of the tool's targets, in m.
   [[nodiscard]] Vec3 workspaceLow() const noexcept;
   [[nodiscard]] Vec3 workspaceHigh() const noexcept;

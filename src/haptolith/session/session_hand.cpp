@@ -74,10 +74,10 @@ void Session::release() {
   }
 }
 
-void Session::play(Manoeuvre manoeuvre) {
+void Session::play(HandMotion motion) {
   requireVirtualHand("play");
   command_.held.reset();
-  command_.manoeuvre = manoeuvre;
+  command_.motion = motion;
   tellMotion(wanted_);
   tellMotion(current_.scene_file);
   ++command_.beginnings;
@@ -87,7 +87,7 @@ void Session::play(Manoeuvre manoeuvre) {
 /// The title may name the motion.
 void Session::tellMotion(SceneFile& scene_file) const {
   const std::string before = sceneInWords(scene_file);
-  scene_file.hand.manoeuvre = command_.manoeuvre;
+  scene_file.hand.motion = command_.motion;
   retitle(scene_file, before);
 }
 

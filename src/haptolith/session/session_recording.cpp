@@ -55,7 +55,8 @@ void SessionRecording::begin(const Session& session, const std::string& file, bo
   header.start_tick = session.loopTicks();
   auto writer = std::make_unique<RecordingWriter>(
       file, header,
-      RecordingOptions{.overwrite = overwrite, .wait_when_full = !session.shown().loop.paced, .robot = options_.robot});
+      RecordingOptions{
+          .overwrite = overwrite, .wait_when_full = !session.shown().loop.real_time, .robot = options_.robot});
   name_ = file;
   problem_.clear();
   next_frame_s_ = 0;

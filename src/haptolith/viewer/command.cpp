@@ -56,11 +56,12 @@ command::Hold hold(const JsonValue& message) {
 }
 
 command::Play play(const JsonValue& message) {
-  const auto manoeuvre = word(message, "manoeuvre", kManoeuvreWords);
-  if (!manoeuvre || *manoeuvre == Manoeuvre::kPoses) {
-    throw InvalidParameter("manoeuvre", manoeuvre ? "poses" : "nothing", anyOf(playableManoeuvres()));
+  auto motion = word(message, "motion", kHandMotionWords);
+  motion = motion ? motion : word(message, "manoeuvre", kHandMotionWords);  // its name in version 0.2
+  if (!motion || *motion == HandMotion::kPoses) {
+    throw InvalidParameter("motion", motion ? "poses" : "nothing", anyOf(playableMotions()));
   }
-  return {*manoeuvre};
+  return {*motion};
 }
 
 void readTool(const JsonValue& tool, SceneChange& change) {

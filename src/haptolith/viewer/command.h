@@ -26,7 +26,7 @@ struct Hold {
 };
 struct Release {};
 struct Play {
-  Manoeuvre manoeuvre = Manoeuvre::kStill;
+  HandMotion motion = HandMotion::kStill;
 };
 struct Change {
   SceneChange change;

@@ -104,7 +104,7 @@ void exportFilm(RecordedPictures& pictures, std::string_view version,
                           .soil = scene_file.bed.soil,
                           .grains = runsOf(picture, scene_file.bed.soil.radius_m),
                           .surface_m = surface_m,
-                          .manoeuvre = scene_file.hand.manoeuvre,
+                          .motion = scene_file.hand.motion,
                           .low_m = space.low_m,
                           .high_m = space.high_m};
       for (const PicturedStone& stone : picture.stones) {

@@ -131,7 +131,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                      throw Failure("another client controls the tool");
                    }
                    holder_.reset();
-                   session_.play(play.manoeuvre);
+                   session_.play(play.motion);
                  },
                  [&](const command::Change& change) { session_.change(change.change); },
                  [&](const command::ToolFile& file) {

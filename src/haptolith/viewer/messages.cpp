@@ -221,7 +221,7 @@ Board::Texts helloMessages(std::string_view version, bool read_only, bool takes_
   }
   message["frictions"] = namesOf(kFrictionWords);
   message["shapes"] = namesOf(kToolShapeWords);
-  message["manoeuvres"] = playableManoeuvres();
+  message["motions"] = playableMotions();
   std::string whole = written(message);
   for (const char* names : {"presets", "soils", "bodies", "frictions"}) {
     message[names] = OrderedJson::array();
@@ -247,7 +247,7 @@ Board::Texts sceneMessages(const Session& session, const FrameSpace& space) {
                       .scene = session.scenes(),
                       .grains = bed.grainRuns(),
                       .surface_m = session.surface(),
-                      .manoeuvre = session.manoeuvre(),
+                      .motion = session.motion(),
                       .low_m = session.workspaceLow(),
                       .high_m = session.workspaceHigh()};
   for (std::size_t stone = 0; stone < bed.stones().size(); ++stone) {
@@ -306,7 +306,7 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) 
                          {"length_mm", kPerMetre_mm * scene_file.tool.length_m},
                          {"mesh", toolMeshJson(scene_file)}}},
                        {"hand",
-                        {{"manoeuvre", wordFor(kManoeuvreWords, shown.manoeuvre)},
+                        {{"motion", wordFor(kHandMotionWords, shown.motion)},
                          {"max_force_n", scene_file.hand.max_force_n},
                          {"max_torque_nm", scene_file.hand.max_torque_nm}}},
                        {"workspace", {{"low_m", array(shown.low_m)}, {"high_m", array(shown.high_m)}}}});

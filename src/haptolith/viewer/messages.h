@@ -33,7 +33,7 @@ struct SceneLookedAt {
   std::uint32_t scene = 1;      ///< see FrameEncoder
   std::vector<Bed::GrainRun> grains;
   double surface_m = 0;
-  Manoeuvre manoeuvre = Manoeuvre::kStill;
+  HandMotion motion = HandMotion::kStill;
   Vec3 low_m, high_m;  ///< range of the tool
   std::vector<std::shared_ptr<const StoneShape>> stones = {};
 };

@@ -17,7 +17,7 @@ export interface ToolFile {
 export type Command =
   | { do: 'hold'; pose: [number, number, number, number, number, number, number] }
   | { do: 'release' | 'pause' | 'resume' }
-  | { do: 'play'; manoeuvre: string }
+  | { do: 'play'; motion: string }
   | FeltChange
   | { do: 'step'; ticks: number }
   | { do: 'speed'; factor: number }

@@ -46,7 +46,7 @@ const Hello = v.object({
     v.array(v.string()),
     v.transform((names) => names.filter((name): name is Shape => v.is(Shape, name))),
   ),
-  manoeuvres: v.array(v.string()),
+  motions: v.array(v.string()),
 });
 export type Hello = v.InferOutput<typeof Hello>;
 
@@ -127,7 +127,7 @@ const Scene = v.object({
   tool: Tool,
   /** absent: no stones */
   stones: v.optional(v.array(Stone)),
-  hand: v.object({ manoeuvre: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),
+  hand: v.object({ motion: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),
   workspace: Range3,
 });
 export type Scene = v.InferOutput<typeof Scene>;

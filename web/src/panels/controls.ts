@@ -49,7 +49,7 @@ export class Controls {
   private readonly shapes = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Tool' });
   private readonly sizes = h('div', { class: 'sizes' });
   private readonly tool_file: HTMLElement;
-  private readonly manoeuvre = h('select', { id: 'manoeuvre' });
+  private readonly motion = h('select', { id: 'motion' });
   private readonly still: HTMLButtonElement;
   private readonly dig = h('input', { type: 'checkbox', id: 'dig' });
   private readonly sound = h('input', { type: 'checkbox', id: 'sound' });
@@ -88,7 +88,7 @@ export class Controls {
     });
     this.friction.addEventListener('change', () => this.change({ friction: this.friction.value }));
     this.body.addEventListener('change', () => this.change({ body: this.body.value }));
-    this.manoeuvre.addEventListener('change', () => this.act.ask({ do: 'play', manoeuvre: this.manoeuvre.value }));
+    this.motion.addEventListener('change', () => this.act.ask({ do: 'play', motion: this.motion.value }));
     this.speed.addEventListener('change', () => this.act.ask({ do: 'speed', factor: Number(this.speed.value) }));
     this.dig.addEventListener('change', () => this.act.setDigAnywhere(this.dig.checked));
     this.sound.addEventListener('change', () => {
@@ -137,7 +137,7 @@ export class Controls {
     const speed = field('Speed', this.speed, EXPLAIN.speed);
     const changing = [
       group(
-        'World',
+        'Soil and gravity',
         field('Soil', this.soil, EXPLAIN.soil),
         field('Friction model', this.friction, EXPLAIN.friction),
         this.drag_warning,
@@ -148,7 +148,7 @@ export class Controls {
       group('Tool', this.shapes, this.sizes, this.tool_file),
       group(
         'Hand',
-        field('Manoeuvre', this.manoeuvre, EXPLAIN.manoeuvre),
+        field('Motion', this.motion, EXPLAIN.motion),
         h(
           'div',
           { class: 'row buttons' },
@@ -212,7 +212,7 @@ export class Controls {
     this.body.replaceChildren(
       ...hello.bodies.map((body) => h('option', { value: body.name }, `${body.name}, ${body.gravity_m_s2} m/s²`)),
     );
-    this.manoeuvre.replaceChildren(...hello.manoeuvres.map((name) => h('option', { value: name }, name)));
+    this.motion.replaceChildren(...hello.motions.map((name) => h('option', { value: name }, name)));
     this.tool_file.hidden = !hello.takes_uploads;
     this.shapes.replaceChildren(
       ...hello.shapes.map((shape) =>
@@ -238,7 +238,7 @@ export class Controls {
     select(this.friction, friction, frictionModelName(friction));
     this.drag_warning.hidden = friction !== 'icra2021';
     select(this.body, scene.body ?? '', `${Math.hypot(...scene.gravity_m_s2).toFixed(2)} m/s²`);
-    select(this.manoeuvre, scene.hand.manoeuvre, scene.hand.manoeuvre);
+    select(this.motion, scene.hand.motion, scene.hand.motion);
     const angle = soil.friction_angle_deg === null ? '' : `${soil.friction_angle_deg.toFixed(1)}°, `;
     const cohesion = soil.cohesion_pa === null ? '' : `${Math.round(soil.cohesion_pa)} Pa, `;
     const density = soil.bulk_density_kg_m3 === null ? '' : `${Math.round(soil.bulk_density_kg_m3)} kg/m³`;
@@ -310,11 +310,11 @@ export class Controls {
   }
 
   holdStill(): void {
-    this.act.ask({ do: 'play', manoeuvre: 'still' });
+    this.act.ask({ do: 'play', motion: 'still' });
   }
 
-  /** Selects the next entry of a list, for keys: soil, body, friction, shape, manoeuvre. */
-  next(what: 'soil' | 'body' | 'friction' | 'shape' | 'manoeuvre', by: 1 | -1 = 1): void {
+  /** Selects the next entry of a list, for keys: soil, body, friction, shape, motion. */
+  next(what: 'soil' | 'body' | 'friction' | 'shape' | 'motion', by: 1 | -1 = 1): void {
     if (!this.hello || !this.scene) return;
     if (what === 'shape') {
       const { tool } = this.scene;

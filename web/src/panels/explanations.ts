@@ -39,7 +39,7 @@ export const EXPLAIN = {
   facts: 'Friction angle and cohesion (if known) and bulk density of this soil.',
   body: 'The body whose gravity acts. A change keeps the present soil.',
   tool: 'The tool. A change keeps the present soil.',
-  manoeuvre: 'Motion of the virtual hand while no one holds the tool.',
+  motion: 'Motion of the virtual hand while no one holds the tool.',
   still: 'Stops the virtual hand where it is (Y).',
   tool_file: 'Use a mesh file as the tool: STL, OBJ or glTF. It can also be dropped on the page.',
   bring: 'Moves the tool above the centre of the bed; a shovel with its nose down, ready to dig (K).',

@@ -62,7 +62,7 @@ describe('access', () => {
     await connected(watched);
     const { page } = watched;
     await page.getByText('the program was started with --read-only').waitFor();
-    for (const name of ['soil', 'body', 'manoeuvre', 'speed'])
+    for (const name of ['soil', 'body', 'motion', 'speed'])
       expect(await page.locator(`#${name}`).isDisabled()).toBe(true);
     for (const name of ['Reset', 'Level', 'Pause', 'Record'])
       expect(await page.getByRole('button', { name, exact: true }).isDisabled()).toBe(true);

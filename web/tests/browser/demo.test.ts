@@ -21,7 +21,7 @@ async function madeFilm(): Promise<Buffer | null> {
   const folder = await mkdtemp(join(tmpdir(), 'haptolith-film-'));
   try {
     const run = (...words: string[]): void => void execFileSync(program, words, { cwd: folder, stdio: 'ignore' });
-    run('run', 'icra2021', '--hand', 'stir', '--duration-s', '1', '--no-serve', '--record', 'run.h5');
+    run('run', 'icra2021', '--motion', 'stir', '--duration-s', '1', '--no-serve', '--record', 'run.h5');
     run('export', 'run.h5', '--format', 'film');
     return await readFile(join(folder, 'run.film'));
   } finally {

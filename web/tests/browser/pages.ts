@@ -77,7 +77,7 @@ export async function toolOnScreen(page: Page): Promise<{ x: number; y: number }
 /** Stops the simulated hand, so that the tool stays in place until the test takes it. */
 export async function holdStill(page: Page): Promise<void> {
   await page.keyboard.press('y');
-  await page.waitForFunction(() => window.haptolith!.scene!.hand.manoeuvre === 'still');
+  await page.waitForFunction(() => window.haptolith!.scene!.hand.motion === 'still');
   await page.waitForFunction(() => {
     const memory = window as unknown as { last_z?: number };
     const z = window.haptolith!.frame!.tool.position_m[2];

@@ -117,7 +117,7 @@ namespace Haptolith
       get { return handle_; }
     }
 
-    /// <summary>Starts the loop on a separate thread, paced by the clock unless the scene has loop.paced=false.</summary>
+    /// <summary>Starts the loop on a separate thread, paced by the clock unless the scene has loop.real_time=false.</summary>
     public void Start()
     {
       using (Borrowed loop = new Borrowed(handle_))

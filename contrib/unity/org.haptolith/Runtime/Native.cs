@@ -594,8 +594,8 @@ namespace Haptolith
 
     /// <summary>
     /// Runs it on a separate thread, in step with the clock, with real-time priority and the process's memory locked where the
-    /// system grants that; as fast as it can when the scene says loop.paced=false, which needs a simulated hand. A watchdog sets the
-    /// force on a person's hand to zero when 4 ms pass without a tick (safety.heartbeat_ms).
+    /// system grants that; as fast as it can when the scene says loop.real_time=false, which needs a simulated hand. A watchdog sets the
+    /// force on a person's hand to zero when 4 ms pass without a tick (safety.watchdog_timeout_ms).
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_start(IntPtr loop);

@@ -35,11 +35,12 @@ void useSimdTarget(std::string_view name) {
   std::string there;
   for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0; targets &= targets - 1) {
     const std::int64_t target = targets & -targets;
-    if (name == hwy::TargetName(target)) {
+    const std::string shown = instructionSetName(hwy::TargetName(target));
+    if (name == hwy::TargetName(target) || name == shown) {
       hwy::SetSupportedTargetsForTest(target);
       return;
     }
-    there += std::string(there.empty() ? "" : ", ") + hwy::TargetName(target);
+    there += (there.empty() ? "" : ", ") + shown;
   }
   throw InvalidParameter("HAPTOLITH_SIMD", std::string(name), "one of " + there + " on this machine");
 }

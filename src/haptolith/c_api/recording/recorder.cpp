@@ -23,7 +23,7 @@ namespace {
 
 struct LoopHeader {
   RecordingHeader header;
-  bool paced = true;
+  bool real_time = true;
 };
 
 LoopHeader headerOf(const hapto_loop* loop) {
@@ -48,7 +48,7 @@ LoopHeader headerOf(const hapto_loop* loop) {
   json.at("hashed_parts").get_to(header.hashed_parts);
   json.at("start_tick").get_to(header.start_tick);
   json.at("tick_s").get_to(header.tick_s);
-  json.at("paced").get_to(made.paced);
+  json.at("paced").get_to(made.real_time);
   header.program_version = hapto_version_string();
   stampNow(header);
   return made;
@@ -148,7 +148,7 @@ class Recorder {
       : loop_(loop),
         lost_before_(lostSoFar(loop)),
         lost_(lost_before_),
-        writer_(path, begun.header, {.overwrite = overwrite, .wait_when_full = !begun.paced}),
+        writer_(path, begun.header, {.overwrite = overwrite, .wait_when_full = !begun.real_time}),
         frame_every_s_(frames_per_s > 0 ? 1 / frames_per_s : 0) {}
 
   static std::uint64_t lostSoFar(const hapto_loop* loop) {

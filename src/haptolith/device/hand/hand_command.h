@@ -10,10 +10,10 @@ namespace haptolith {
 
 /// Command to a virtual hand from a mouse, a touch screen or a controller. Only the newest counts.
 struct HandCommand {
-  std::optional<Pose> held = std::nullopt;  ///< target of the tool, scene frame; empty: `manoeuvre` continues
-  Manoeuvre manoeuvre = Manoeuvre::kScoop;  ///< kPoses: the file it was made with
+  std::optional<Pose> held = std::nullopt;  ///< target of the tool, scene frame; empty: `motion` continues
+  HandMotion motion = HandMotion::kScoop;   ///< kPoses: the file it was made with
   double surface_m = 0;                     ///< height of the soil's surface
-  std::uint32_t beginnings = 0;             ///< grows when the manoeuvre is to begin again
+  std::uint32_t beginnings = 0;             ///< grows when the motion is to begin again
 };
 
 }  // namespace haptolith

@@ -19,7 +19,7 @@ void validate(const HandParameters& hand) {
   requireInRange("reach_m", hand.reach_m, HandRanges::reach_m);
   requireInRange("max_force_n", hand.max_force_n, HandRanges::max_force_n);
   requireInRange("max_torque_nm", hand.max_torque_nm, HandRanges::max_torque_nm);
-  if (hand.manoeuvre == Manoeuvre::kPoses && hand.poses_file.empty()) {
+  if (hand.motion == HandMotion::kPoses && hand.poses_file.empty()) {
     throw InvalidParameter("poses", "''", "the name of a CSV file with poses");
   }
 }

@@ -10,28 +10,28 @@
 namespace haptolith {
 
 /// Periodic motion of the virtual hand.
-enum class Manoeuvre { kStill, kPress, kStir, kScoop, kCarry, kShake, kCut, kFurrows, kPoses };
+enum class HandMotion { kStill, kPress, kStir, kScoop, kCarry, kShake, kCut, kFurrows, kPoses };
 
 /// Response of the hand to force.
 enum class HandCompliance {
-  kArm,    ///< mass, damper and spring between the manoeuvre and the tool
-  kRigid,  ///< the tool follows the manoeuvre exactly, whatever the soil does
+  kArm,    ///< mass, damper and spring between the motion and the tool
+  kRigid,  ///< the tool follows the motion exactly, whatever the soil does
 };
 
-/// The virtual hand: a human arm that pulls the tool along a manoeuvre and yields to what it feels.
+/// The virtual hand: a human arm that pulls the tool along a motion and yields to what it feels.
 /// The arm's values are one measured participant's in Scientific Reports 6:18004 (2016), fig. 3 (van Beek et al.).
 struct HandParameters {
-  Manoeuvre manoeuvre = Manoeuvre::kScoop;
+  HandMotion motion = HandMotion::kScoop;
   std::string poses_file;  ///< kPoses: CSV with t_s,x_m,y_m,z_m,qw,qx,qy,qz
   HandCompliance compliance = HandCompliance::kArm;
   double mass_kg = 0.554;
   double damping_n_s_m = 6.45;
   double stiffness_n_m = 135;
   double lever_m = 0.1;             ///< the arm's rotation: inertia, damping and stiffness are the above times lever^2
-  double period_s = 4;              ///< one manoeuvre
+  double period_s = 4;              ///< one motion
   double active_s = 1e9;            ///< then the hand leaves the soil and waits above it
   Vec3 home_m{0, 0, 0.085};         ///< start, end and waiting place: x and y in the scene, z above the surface
-  double depth_m = 0.02;            ///< lowest point of the tool's origin below the surface during a manoeuvre
+  double depth_m = 0.02;            ///< lowest point of the tool's origin below the surface during a motion
   std::optional<double> surface_m;  ///< height of the soil's surface; left out: measured when the bed is made
   double reach_m = 0.035;           ///< largest distance to the side
   double max_force_n = 12;          ///< limit of the device, a sigma.7 as in CHAI3D

@@ -8,7 +8,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/interpolate.h"
-#include "haptolith/device/hand/manoeuvre.h"
+#include "haptolith/device/hand/hand_motion.h"
 
 namespace haptolith {
 
@@ -17,10 +17,10 @@ namespace {
 /// Poses come 60 times a second: their steps are rounded off with this time constant.
 constexpr double kSmoothing_s = 0.02;
 
-/// Duration of the way from a released tool to the begin of a manoeuvre.
+/// Duration of the way from a released tool to the begin of a motion.
 constexpr double kReturn_s = 1;
 
-/// From closed to wide open, at the fastest. A manoeuvre that is broken off opens the gripper as quickly.
+/// From closed to wide open, at the fastest. A motion that is broken off opens the gripper as quickly.
 constexpr double kGrip_s = 0.1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -40,7 +40,7 @@ void requireStableArm(const HandParameters& hand, double tick_s) {
 VirtualHand::VirtualHand(const HandParameters& hand, double tick_s) : hand_(hand), tick_s_(tick_s) {
   validate(hand);
   requireStableArm(hand, tick_s);
-  if (hand.manoeuvre == Manoeuvre::kPoses) {
+  if (hand.motion == HandMotion::kPoses) {
     poses_ = PoseFile::read(hand.poses_file);
   }
   tool_.pose = wanted(0);
@@ -67,10 +67,10 @@ DeviceInput VirtualHand::read() noexcept {
   if (commands_.latest().held) {
     followCommand(*commands_.latest().held);
   } else {
-    followManoeuvre();
+    followMotion();
   }
   moveGripper();
-  const bool finished = poses_ && hand_.manoeuvre == Manoeuvre::kPoses && !commands_.latest().held &&
+  const bool finished = poses_ && hand_.motion == HandMotion::kPoses && !commands_.latest().held &&
                         static_cast<double>(ticks_) * tick_s_ > poses_->duration();
   DeviceInput input;
   input.pose = tool_.pose;
@@ -87,7 +87,7 @@ void VirtualHand::takeCommand() noexcept {
   }
   const HandCommand& now = commands_.latest();
   hand_.surface_m = now.surface_m;
-  hand_.manoeuvre = now.manoeuvre;
+  hand_.motion = now.motion;
   if (now.held && !was_held) {
     smooth_ = tool_.pose;
   }
@@ -99,7 +99,7 @@ void VirtualHand::takeCommand() noexcept {
   }
 }
 
-void VirtualHand::followManoeuvre() noexcept {
+void VirtualHand::followMotion() noexcept {
   const auto time_s = [this](std::uint64_t ticks) { return static_cast<double>(ticks) * tick_s_; };
   Pose from;
   Pose to;
@@ -132,14 +132,14 @@ void VirtualHand::followCommand(const Pose& held) noexcept {
 }
 
 void VirtualHand::moveGripper() noexcept {
-  const bool follows = !commands_.latest().held && !return_from_ && hand_.manoeuvre != Manoeuvre::kPoses;
-  const double wanted = follows ? manoeuvreOpening(hand_, static_cast<double>(ticks_) * tick_s_) : 1;
+  const bool follows = !commands_.latest().held && !return_from_ && hand_.motion != HandMotion::kPoses;
+  const double wanted = follows ? handMotionOpening(hand_, static_cast<double>(ticks_) * tick_s_) : 1;
   const double most = tick_s_ / kGrip_s;
   gripper_open_ += std::clamp(wanted - gripper_open_, -most, most);
 }
 
 Pose VirtualHand::wanted(double time_s) const noexcept {
-  return poses_ && hand_.manoeuvre == Manoeuvre::kPoses ? poses_->at(time_s) : manoeuvrePose(hand_, time_s);
+  return poses_ && hand_.motion == HandMotion::kPoses ? poses_->at(time_s) : handMotionPose(hand_, time_s);
 }
 
 }  // namespace haptolith

@@ -12,7 +12,7 @@
 
 namespace haptolith {
 
-/// A device without hardware: a human arm (moveArm()) that pulls the tool along a manoeuvre and yields to
+/// A device without hardware: a human arm (moveArm()) that pulls the tool along a motion and yields to
 /// force, until a client takes the tool. The arm's own weight and the tool's are carried by the arm, so that
 /// the tool weighs nothing, as in the paper.
 class VirtualHand final : public HapticDevice {
@@ -40,7 +40,7 @@ class VirtualHand final : public HapticDevice {
 
  private:
   void takeCommand() noexcept;
-  void followManoeuvre() noexcept;
+  void followMotion() noexcept;
   void followCommand(const Pose& held) noexcept;
   [[nodiscard]] Pose wanted(double time_s) const noexcept;
   void moveGripper() noexcept;
@@ -48,7 +48,7 @@ class VirtualHand final : public HapticDevice {
   HandParameters hand_;
   double tick_s_;
   std::optional<PoseFile> poses_;
-  std::uint64_t ticks_ = 0;  ///< ticks of the manoeuvre
+  std::uint64_t ticks_ = 0;  ///< ticks of the motion
   Movement tool_;
   double gripper_open_ = 1;
   Wrench output_;
@@ -57,7 +57,7 @@ class VirtualHand final : public HapticDevice {
   LatestValue<HandCommand> commands_;
   std::uint32_t beginnings_ = 0;
   Pose smooth_;                      ///< the held pose, its steps rounded off
-  std::optional<Pose> return_from_;  ///< on the way back to a manoeuvre
+  std::optional<Pose> return_from_;  ///< on the way back to a motion
   std::uint64_t return_ticks_ = 0;   ///< ticks on that way
 };
 

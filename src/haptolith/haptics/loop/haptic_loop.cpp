@@ -51,7 +51,7 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
       coupling_(withMassOf(scene.tool(), handling.coupling), suitsDirectly(device.limits()),
                 parameters.filter_cutoff_hz, parameters.tick_s),
       safety_(handling.safety, device.limits(), device.simulated(), softestSpring(scene, coupling_), parameters.tick_s),
-      clock_(parameters.tick_s, parameters.paced),
+      clock_(parameters.tick_s, parameters.real_time),
       fade_(parameters.tick_s, device.simulated()),  // soil where a person's hand is moves out of its way gently
       telemetry_(parameters.tick_s, keep_records),
       requests_(kRequestsWaiting) {
@@ -60,8 +60,8 @@ HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters&
     throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
                            fmt::format("the bed's {}", scene.bed().parameters().tick_s));
   }
-  if (parameters.paced && !device.simulated()) {
-    watchdog_.emplace(device, handling.safety.heartbeat_s);
+  if (parameters.real_time && !device.simulated()) {
+    watchdog_.emplace(device, handling.safety.watchdog_timeout_s);
   }
 }
 
@@ -162,7 +162,7 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
   scene_->bed().scheduleHelpers(helpers_);
   clock_.start();
   while (true) {
-    if (parameters_.paced) {
+    if (parameters_.real_time) {
       telemetry_.addLateness(clock_.standsStill() ? clock_.waitForTick() : clock_.waitForTick(scene_->bed()));
     }
     if (const LoopEnd end = tick(); end != LoopEnd::kRunning) {
@@ -179,7 +179,7 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
         return wanted_end;
       }
     }
-    if (parameters_.paced) {
+    if (parameters_.real_time) {
       clock_.planNextTick();
     } else if (clock_.standsStill()) {
       LoopClock::waitAMoment();

@@ -34,8 +34,8 @@ class HapticLoop {
   HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
              const HandlingParameters& handling = {});
 
-  /// Runs ticks on the calling thread until something ends it, in step with the clock when paced. On return the device
-  /// has been given zero force.
+  /// Runs ticks on the calling thread until something ends it, in step with the clock when in real time. On return the
+  /// device has been given zero force.
   LoopEnd run(const std::atomic<bool>& stop) noexcept;
 
   /// One tick without pacing: read device, move tool, step bed, sum wrench, filter, limit, send, publish. Does not
@@ -68,7 +68,7 @@ class HapticLoop {
   /// For one other thread: the scene that is shown. Another one is no longer touched, and may be shown again or go.
   [[nodiscard]] ShownScene& shownScene() const noexcept { return *shown_.load(std::memory_order_acquire); }
 
-  /// Number of records lost because they were not read in time; only a paced loop loses any.
+  /// Number of records lost because they were not read in time; only a loop in real time loses any.
   [[nodiscard]] std::uint64_t lostRecords() const noexcept { return telemetry_.lostRecords(); }
   /// Only after run() has returned.
   [[nodiscard]] const LoopStatistics& statistics() const noexcept { return telemetry_.statistics(); }

@@ -16,7 +16,8 @@ class LoopStatistics {
   /// One tick: how long its work took, why it missed its deadline, and what the hand was made to feel.
   void add(double tick_us, Miss miss, const Wrench& felt) noexcept;
 
-  /// Adds the lateness of a paced tick's begin: the system woke its thread late, or the tick before took too long.
+  /// Adds the lateness of the begin of a tick in real time: the system woke its thread late, or the tick before took
+  /// too long.
   void addLateness(double late_us) noexcept { late_us_.add(late_us); }
 
   [[nodiscard]] std::uint64_t ticks() const noexcept { return tick_us_.count(); }
@@ -28,7 +29,7 @@ class LoopStatistics {
   [[nodiscard]] double successRate() const noexcept;
 
   [[nodiscard]] const Histogram& tickUs() const noexcept { return tick_us_; }
-  /// Empty when no tick was paced.
+  /// Empty when no tick was in real time.
   [[nodiscard]] const Histogram& lateUs() const noexcept { return late_us_; }
   [[nodiscard]] const Histogram& forceN() const noexcept { return force_n_; }
   [[nodiscard]] const Histogram& torqueNm() const noexcept { return torque_nm_; }

@@ -8,7 +8,7 @@
 
 namespace haptolith {
 
-/// The loop's thread: on the CPU that the parameters name, and real-time when they are paced and the system grants it.
+/// The loop's thread: on the CPU that the parameters name, and real-time when they ask for it and the system grants it.
 /// The force is released when it ends, and when this object is destroyed.
 class LoopThread {
  public:

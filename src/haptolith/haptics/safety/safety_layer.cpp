@@ -64,8 +64,8 @@ SafetyLayer::SafetyLayer(const SafetyParameters& parameters, const DeviceLimits&
       tick_s_(tick_s),
       soft_start_s_(simulated ? 0 : parameters.soft_start_s),
       soft_stop_s_(simulated ? 0 : parameters.soft_stop_s),
-      most_misses_(parameters.most_misses),
-      calm_ticks_(static_cast<int>(std::lround(parameters.calm_s / tick_s))),
+      max_missed_deadlines_(parameters.max_missed_deadlines),
+      recovery_ticks_(static_cast<int>(std::lround(parameters.recovery_s / tick_s))),
       plausibility_(limits.rate_hz, tick_s),
       passivity_({.stiffness_n_m = storage_n_m,
                   .delay_s = limits.delay_s,
@@ -84,7 +84,7 @@ void SafetyLayer::check(const DeviceInput& input, const LoopHealth& health) noex
   const SafetyTrip now = reason(input, health);
   if (now != SafetyTrip::kNone) {
     releaseForce(now);
-  } else if (trip_ != SafetyTrip::kNone && ++well_for_ > calm_ticks_) {
+  } else if (trip_ != SafetyTrip::kNone && ++well_for_ > recovery_ticks_) {
     trip_ = SafetyTrip::kNone;
     just_recovered_ = true;
     restart();
@@ -115,7 +115,7 @@ SafetyTrip SafetyLayer::reason(const DeviceInput& input, const LoopHealth& healt
   if (!plausible) {
     return SafetyTrip::kImplausible;
   }
-  return !simulated_ && misses_ > most_misses_ ? SafetyTrip::kMissedDeadlines : SafetyTrip::kNone;
+  return !simulated_ && misses_ > max_missed_deadlines_ ? SafetyTrip::kMissedDeadlines : SafetyTrip::kNone;
 }
 
 /// A reason that follows from the first one does not replace it, but that the device is gone: it does not come back.

@@ -84,7 +84,7 @@ class SafetyLayer {
   DeviceLimits limits_;
   bool simulated_, damps_;
   double tick_s_, soft_start_s_, soft_stop_s_;
-  int most_misses_, calm_ticks_;
+  int max_missed_deadlines_, recovery_ticks_;
   Plausibility plausibility_;
   Passivity passivity_;
 

@@ -14,7 +14,7 @@
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/core/random.h"
 #include "haptolith/core/statistics.h"
-#include "haptolith/device/hand/manoeuvre.h"
+#include "haptolith/device/hand/hand_motion.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scene_file/scene_words.h"
@@ -32,8 +32,8 @@ constexpr int kMostRounds = 1000;
 constexpr int kTicksPerLook = 20;  ///< ticks between two measurements of the soil on the tool
 
 void validate(const ExplorationOptions& options) {
-  if (options.manoeuvre == Manoeuvre::kPoses) {
-    throw InvalidParameter("manoeuvre", "poses", "a built-in motion: still, press, stir, scoop ...");
+  if (options.motion == HandMotion::kPoses) {
+    throw InvalidParameter("motion", "poses", "a built-in motion: still, press, stir, scoop ...");
   }
   requireInRange("rounds", options.rounds, {1, kMostRounds});
   requireInRange("variation", options.variation, {0, 2});
@@ -206,7 +206,7 @@ ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOption
   const auto about = [&](double share) { return 1 + options.variation * share * uniformSigned(random); };
   ExploringHand exploring{.hand = scene_file.hand};
   HandParameters& hand = exploring.hand;
-  hand.manoeuvre = options.manoeuvre;
+  hand.motion = options.motion;
   hand.home_m.x() += options.variation * kPlace_m * uniformSigned(random);
   hand.home_m.y() += options.variation * kPlace_m * uniformSigned(random);
   hand.period_s *= about(kTempo);
@@ -223,15 +223,15 @@ ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOption
   return exploring;
 }
 
-void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre) {
+void requireReach(const SceneFile& scene_file, HandMotion motion) {
   HandParameters hand = scene_file.hand;
-  hand.manoeuvre = manoeuvre;
+  hand.motion = motion;
   hand.surface_m = 0;
   const ToolCorners corners = cornersOf(scene_file.tool);
-  constexpr int kPlaces = 200;  // sampled poses of a manoeuvre
+  constexpr int kPlaces = 200;  // sampled poses of a motion
   double lowest_m = std::numeric_limits<double>::infinity();
   for (int place = 0; place < kPlaces; ++place) {
-    const Pose scene_T_tool = manoeuvrePose(hand, hand.period_s * place / kPlaces);
+    const Pose scene_T_tool = handMotionPose(hand, hand.period_s * place / kPlaces);
     for (int corner = 0; corner < 8; ++corner) {
       const auto along = [&](int axis) {
         return ((corner >> axis) & 1) == 0 ? corners.low_m[axis] : corners.high_m[axis];
@@ -241,9 +241,9 @@ void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre) {
   }
   const double radius_m = scene_file.bed.soil.radius_m;
   if (-lowest_m < radius_m) {
-    throw InvalidParameter("hand",
+    throw InvalidParameter("motion",
                            fmt::format("{}, which moves the tool {:.1f} mm below the surface",
-                                       wordFor(kManoeuvreWords, manoeuvre), 1e3 * std::max(0.0, -lowest_m)),
+                                       wordFor(kHandMotionWords, motion), 1e3 * std::max(0.0, -lowest_m)),
                            fmt::format("a motion that reaches at least one particle radius, {:g} mm", 1e3 * radius_m));
   }
 }
@@ -253,22 +253,22 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
 }
 
 Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const ExploringHand& exploring, int rounds) {
-  SceneFile unpaced = scene_file;
-  unpaced.device.kind = DeviceKind::kVirtualHand;
-  unpaced.loop.paced = false;
-  unpaced.hand = exploring.hand;
-  unpaced.hand.surface_m = scene_file.hand.surface_m.value_or(bed.surface_m);
+  SceneFile explored = scene_file;
+  explored.device.kind = DeviceKind::kVirtualHand;
+  explored.loop.real_time = false;
+  explored.hand = exploring.hand;
+  explored.hand.surface_m = scene_file.hand.surface_m.value_or(bed.surface_m);
   const LyingSoil before = turned(bed.lying, exploring);
-  Scene scene(unpaced.bed, unpaced.tool, before);
-  VirtualHand hand(unpaced.hand, unpaced.bed.tick_s);
-  HapticLoop loop(scene, hand, unpaced.loop, true, handlingOf(unpaced, *unpaced.hand.surface_m));
+  Scene scene(explored.bed, explored.tool, before);
+  VirtualHand hand(explored.hand, explored.bed.tick_s);
+  HapticLoop loop(scene, hand, explored.loop, true, handlingOf(explored, *explored.hand.surface_m));
 
   TickSummary summed;
   Mean carried_n, carried_kg;
   TouchHeight touch_height;
   double lowest_m = std::numeric_limits<double>::infinity();
   std::vector<TickRecord> records;
-  const auto ticks = std::llround(rounds * unpaced.hand.period_s / unpaced.loop.tick_s);
+  const auto ticks = std::llround(rounds * explored.hand.period_s / explored.loop.tick_s);
   for (long long tick = 0; tick < ticks; ++tick) {
     throwIfStopped();
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
@@ -279,7 +279,7 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
     summed.add(records.back());
     lowest_m = std::min(lowest_m, scene.toolPose().position_m.z());
     touch_height.add(scene.toolPose().position_m.z(), records.back().sent.wrench.force_n.norm());
-    if (carries(scene.toolPose(), unpaced.hand)) {
+    if (carries(scene.toolPose(), explored.hand)) {
       carried_n.add(-records.back().sent.wrench.force_n.z());
       if (tick % kTicksPerLook == 0) {
         carried_kg.add(massAbove(scene));
@@ -290,9 +290,9 @@ Exploration explore(const SceneFile& scene_file, const LevelBed& bed, const Expl
   done.drag_n = done.summary.work_j / done.summary.path_m;
   done.carried_n = carried_n.value();
   done.carried_kg = carried_kg.value();
-  done.seen = pictureOf(centresOf(before.grains), centresOf(scene.bed().lying().grains), unpaced.bed);
+  done.seen = pictureOf(centresOf(before.grains), centresOf(scene.bed().lying().grains), explored.bed);
   done.seen.reached_m = bed.surface_m - lowest_m;
-  done.seen.load_m = std::cbrt(done.carried_kg / unpaced.bed.soil.rho0_kg_m3);
+  done.seen.load_m = std::cbrt(done.carried_kg / explored.bed.soil.rho0_kg_m3);
   done.touched_up_to_m = touch_height.mean();
   return done;
 }

@@ -22,8 +22,8 @@ struct LevelBed {
 
 /// Options of the exploration of soil by a virtual hand.
 struct ExplorationOptions {
-  Manoeuvre manoeuvre = Manoeuvre::kStir;  ///< not kPoses
-  int rounds = 2;                          ///< repetitions of the manoeuvre, 1 to 1000
+  HandMotion motion = HandMotion::kStir;  ///< not kPoses
+  int rounds = 2;                         ///< repetitions of the motion, 1 to 1000
   std::uint64_t seed = 1;
   /// Factor on the random differences between explorations, 0 to 2: see exploringHand(). 0: no differences.
   double variation = 1;
@@ -42,9 +42,9 @@ struct ExploringHand {
 /// @throws InvalidParameter for options out of range.
 [[nodiscard]] ExploringHand exploringHand(const SceneFile& scene_file, const ExplorationOptions& options);
 
-/// Checks that the scene's hand reaches the soil in this manoeuvre: at least a particle radius below the surface.
+/// Checks that the scene's hand reaches the soil in this motion: at least a particle radius below the surface.
 /// @throws InvalidParameter with the depth that the tool reaches.
-void requireReach(const SceneFile& scene_file, Manoeuvre manoeuvre);
+void requireReach(const SceneFile& scene_file, HandMotion motion);
 
 /// Visual information for an observer of an exploration: measures of the soil's visible surface, in m.
 struct Picture {

@@ -73,9 +73,9 @@ PerceptionBlock blockOf(const std::string& name, FrictionModel friction, double 
   return block;
 }
 
-/// Returns the hand for a manoeuvre: deep and stiff for scooping, else the scene's hand with its measured compliance.
-HandParameters handFor(Manoeuvre manoeuvre, HandParameters hand) {
-  if (manoeuvre == Manoeuvre::kScoop) {
+/// Returns the hand for a motion: deep and stiff for scooping, else the scene's hand with its measured compliance.
+HandParameters handFor(HandMotion motion, HandParameters hand) {
+  if (motion == HandMotion::kScoop) {
     hand.depth_m = 0.032;
     hand.stiffness_n_m = 400;
     hand.damping_n_s_m = 15;
@@ -191,13 +191,13 @@ std::vector<PerceptionBlock> explorePaperStimuli(const PerceptionOptions& option
     scene.hand = handFor(options.hands[hand], scene.hand);
     (*site.explorations)[hand][repeat] =
         explore(scene, site.beds[bed],
-                {.manoeuvre = options.hands[hand], .rounds = options.rounds, .seed = options.seed + repeat});
+                {.motion = options.hands[hand], .rounds = options.rounds, .seed = options.seed + repeat});
     done.finished();
   });
   return blocks;
 }
 
-std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<Manoeuvre>& hands,
+std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<HandMotion>& hands,
                                    const PerceiveOptions& options) {
   requireInRange("sense_scale", options.sense_scale, {0.1, 10});
   std::vector<PerceivedCue> perceived;
@@ -234,7 +234,7 @@ std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vect
 }
 
 std::string nameOf(const PerceivedCue& perceived) {
-  return fmt::format("{}, {}", perceived.hand ? wordFor(kManoeuvreWords, *perceived.hand) : "all hands",
+  return fmt::format("{}, {}", perceived.hand ? wordFor(kHandMotionWords, *perceived.hand) : "all hands",
                      perceived.cue != nullptr ? perceived.cue->name : "all cues");
 }
 

@@ -33,10 +33,10 @@ struct PerceptionBlock {
 struct PerceptionOptions {
   std::vector<std::string> blocks{"friction", "gravity"};
   std::vector<FrictionModel> frictions{FrictionModel::kIcra2021, FrictionModel::kContact};
-  std::vector<Manoeuvre> hands{Manoeuvre::kStir, Manoeuvre::kPress, Manoeuvre::kScoop};
+  std::vector<HandMotion> hands{HandMotion::kStir, HandMotion::kPress, HandMotion::kScoop};
   double contact_cohesion_n = 0;  ///< F_c of soil with contact friction
   int repeats = 15;               ///< explorations of each stimulus by each hand, 2 or more
-  int rounds = 2;                 ///< repetitions of the manoeuvre in each
+  int rounds = 2;                 ///< repetitions of the motion in each
   std::uint64_t seed = 1;
   int threads = 1;
 };
@@ -51,7 +51,7 @@ using PerceptionProgress = std::function<bool(double share)>;
 
 /// Performance of one observer in a block.
 struct PerceivedCue {
-  std::optional<Manoeuvre> hand = {};     ///< none: all hands, one after the other
+  std::optional<HandMotion> hand = {};    ///< none: all hands, one after the other
   const Cue* cue = nullptr;               ///< null: all cues of the hand together
   std::vector<double> means, deviations;  ///< per stimulus, in the cue's unit; empty for combined cues
   Discrimination discrimination;
@@ -65,7 +65,7 @@ struct PerceiveOptions {
 /// Evaluates observers of each single cue of each hand, of all cues of each hand, and of all cues of all hands. Cues
 /// that do not occur with a hand (the load of a hand that does not lift) are left out.
 /// @throws InvalidParameter as discriminate().
-[[nodiscard]] std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<Manoeuvre>& hands,
+[[nodiscard]] std::vector<PerceivedCue> perceive(const PerceptionBlock& block, const std::vector<HandMotion>& hands,
                                                  const PerceiveOptions& options = {});
 
 /// Returns a name such as "stir, mean force", "stir, all cues" or "all hands, all cues".

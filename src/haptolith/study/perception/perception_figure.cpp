@@ -17,11 +17,11 @@ namespace {
 
 /// Most informative cue of each hand, for the hands of the participants of icra2021.
 struct Panel {
-  Manoeuvre hand;
+  HandMotion hand;
   std::string_view cue;
 };
 constexpr Panel kPanels[] = {
-    {Manoeuvre::kStir, "mean force"}, {Manoeuvre::kPress, "peak force"}, {Manoeuvre::kScoop, "weight"}};
+    {HandMotion::kStir, "mean force"}, {HandMotion::kPress, "peak force"}, {HandMotion::kScoop, "weight"}};
 
 // Two colours of Okabe and Ito, distinguishable with colour blindness.
 std::string_view colourOf(FrictionModel friction) {
@@ -84,7 +84,7 @@ void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& bloc
         for (std::size_t i = 0; i < found->means.size(); ++i) {
           rows.push_back({blocks[b].stimuli[i].x * aside, found->means[i], found->deviations[i]});
         }
-        const std::string data = fmt::format("{}{}{}", name, b, wordFor(kManoeuvreWords, panel.hand));
+        const std::string data = fmt::format("{}{}{}", name, b, wordFor(kHandMotionWords, panel.hand));
         figure.data(data, rows);
         plot += fmt::format(
             "{0}${1} using 1:2 with lines linewidth 2 linecolor rgb '{2}' notitle, ${1} using 1:2:3 with yerrorbars "
@@ -102,7 +102,7 @@ void drawForces(const OutputFile& path, const std::vector<PerceptionBlock>& bloc
       }
       figure.command(fmt::format(
           "set title '{}: {}, {}'\nset yrange [0:{}]\nset key {} top left Left reverse samplen 1",
-          wordFor(kManoeuvreWords, panel.hand), drawn->title, drawn->unit, panel.cue == "weight" ? "0.05<*" : "*",
+          wordFor(kHandMotionWords, panel.hand), drawn->title, drawn->unit, panel.cue == "weight" ? "0.05<*" : "*",
           &panel == kPanels && name == names.front() ? "on" : "off"));
       figure.command(fmt::format("set xlabel '{}' offset 0,{}",
                                  name == "friction" ? "friction coefficient of the set" : "gravity",

@@ -97,8 +97,8 @@ std::vector<Explorations> exploreAll(const std::vector<SceneFile>& scenes, const
     scene.bed.seed = options.seed + number;
     const LevelBed bed = levelBed(scene);
     for (std::size_t repeat = number; repeat < repeats; repeat += beds) {
-      all[i / beds][repeat] = explore(
-          scene, bed, {.manoeuvre = scene.hand.manoeuvre, .rounds = options.rounds, .seed = options.seed + repeat});
+      all[i / beds][repeat] =
+          explore(scene, bed, {.motion = scene.hand.motion, .rounds = options.rounds, .seed = options.seed + repeat});
       const std::scoped_lock lock(mutex);
       ++done;
       if (progress && !progress(static_cast<double>(done) / static_cast<double>(scenes.size() * repeats))) {
@@ -125,7 +125,7 @@ TaskPerception perceiveTask(const StudyProtocol& protocol, const StudyBlock& blo
   TaskPerception found{.block = block.name,
                        .reference = block.reference.name,
                        .axis_label = block.axis_label,
-                       .hand = protocol.scene.hand.manoeuvre,
+                       .hand = protocol.scene.hand.motion,
                        .duration_s = options.rounds * protocol.scene.hand.period_s,
                        .levels = {},
                        .cues = {}};

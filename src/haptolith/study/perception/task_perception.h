@@ -34,7 +34,7 @@ struct TaskCue {
 /// Observers' performance in a block of a study, explored by the hand of its scene.
 struct TaskPerception {
   std::string block, reference, axis_label;
-  Manoeuvre hand = Manoeuvre::kPress;
+  HandMotion hand = HandMotion::kPress;
   double duration_s = 0;  ///< duration of one exploration of one stimulus
   std::vector<TaskLevel> levels;
   std::vector<TaskCue> cues;
@@ -42,7 +42,7 @@ struct TaskPerception {
 
 struct TaskOptions {
   int repeats = 16;  ///< explorations of each stimulus, 4 or more
-  int rounds = 2;    ///< repetitions of the hand's manoeuvre in each
+  int rounds = 2;    ///< repetitions of the hand's motion in each
   int beds = 4;      ///< realisations (seeds) of the bed of each stimulus
   std::uint64_t seed = 1;
   int threads = 1;

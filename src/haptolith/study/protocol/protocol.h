@@ -55,7 +55,7 @@ struct TeleopWork {
   SiteTask task = SiteTask::kTrench;
   TeleopForce force = TeleopForce::kLearning;
   double round_trip_s = 0;
-  std::string site = "dig-site";  ///< built-in scene of the robot
+  std::string site = "teleop-site";  ///< built-in scene of the robot
 };
 
 struct StudyBlock {

@@ -389,7 +389,8 @@ std::vector<BlockKey> teleopKeys() {
       teleop.word("felt", &TeleopWork::force, kTeleopForceWords,
                   "Force at the hand: none, from the block's scene as a static model, or from a learning one."),
       teleop.number("round_trip_s", &TeleopWork::round_trip_s, kRoundTrip_s, "Round-trip delay, half of it each way."),
-      teleop.text("site", &TeleopWork::site, "Built-in scene of the robot, level in each trial. Default: `dig-site`."),
+      teleop.text("site", &TeleopWork::site,
+                  "Built-in scene of the robot, level in each trial. Default: `teleop-site`."),
   };
 }
 

@@ -78,7 +78,7 @@ void requireRatios(const StudyProtocol& protocol, JudgedBy by) {
       if (!(value > 0)) {
         throw InvalidParameter(fmt::format("block {}: value of a stimulus", block.name), fmt::format("{:g}", value),
                                "above 0: a simulated observer judges ratios; use stimuli with positive values, or "
-                               "judge a quantity of the hand (--hand, --judge)");
+                               "judge a quantity of the hand (--motion, --judge)");
       }
     }
   }
@@ -177,7 +177,7 @@ int SimulatedParticipant::choose(const Conductor& conductor, const StudyState& n
     if (!(test > 0 && reference > 0)) {
       throw Failure(
           fmt::format("block {}: the test gave {:g} and the reference {:g}, and a simulated observer judges ratios; "
-                      "use another --hand or --judge",
+                      "use another --motion or --judge",
                       trial.block->name, test, reference));
     }
   }

@@ -10,7 +10,7 @@ SimulatedRig::SimulatedRig(const StudyProtocol& protocol, const ExplorationOptio
   (void)exploringHand(protocol.scene, options);  // throws
   for (const StudyBlock& block : protocol.blocks) {
     if (!block.teleop) {
-      requireReach(sceneOf(protocol, block, block.reference), options.manoeuvre);
+      requireReach(sceneOf(protocol, block, block.reference), options.motion);
     }
   }
 }

@@ -83,7 +83,7 @@ class ModelOperator {
   explicit ModelOperator(const TeleopSetup& setup)
       : site_(setup.model),
         hand_(setup, site_.surface_m),
-        loop_(site_.scene, hand_, unpaced(setup.model.loop), true, handlingOf(setup.model, site_.surface_m)),
+        loop_(site_.scene, hand_, asFastAsPossible(setup.model.loop), true, handlingOf(setup.model, site_.surface_m)),
         watch_(setup.model.loop.tick_s) {
     if (setup.feedback == Feedback::kNone) {
       loop_.ask(request::SetContact{false});
@@ -132,8 +132,8 @@ class ModelOperator {
   [[nodiscard]] const Wrench& unlimited() const noexcept { return unlimited_; }
 
  private:
-  static LoopParameters unpaced(LoopParameters loop) {
-    loop.paced = false;
+  static LoopParameters asFastAsPossible(LoopParameters loop) {
+    loop.real_time = false;
     return loop;
   }
 

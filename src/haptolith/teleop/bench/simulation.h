@@ -34,7 +34,7 @@ struct TeleopSetup {
   Sending sending;
   double bilateral_period_s = 0.002;  ///< period of packets for kBilateral, where delay matters
   double robot_clock_share = 0;       ///< by which the robot's clock is too fast
-  /// A hand that does this, in place of the scene's manoeuvre; the run ends when it is done.
+  /// A hand that does this, in place of the scene's motion; the run ends when it is done.
   std::optional<SiteTask> task;
   std::optional<double> lets_go_s;    ///< time at which the hand releases the tool; not with a task
   std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel

@@ -1,4 +1,4 @@
-#include "haptolith/device/hand/manoeuvre.h"
+#include "haptolith/device/hand/hand_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// A pose on the way, in the manoeuvre's own measures.
+/// A pose on the way, in the motion's own measures.
 struct KeyPose {
   double share;      ///< fraction of the period
   double out;        ///< distance from the box's axis, in `reach_m`; along x at turn 0
@@ -88,17 +88,17 @@ constexpr KeyPose kFurrowsTable[] = {
     {1.00, 0, 0, 1.0, 70, 0, 0.0},
 };
 
-std::span<const KeyPose> tableOf(Manoeuvre manoeuvre) {
-  switch (manoeuvre) {
-    case Manoeuvre::kPress: return kPressTable;
-    case Manoeuvre::kStir: return kStirTable;
-    case Manoeuvre::kScoop: return kScoopTable;
-    case Manoeuvre::kCarry: return kCarryTable;
-    case Manoeuvre::kShake: return kShakeTable;
-    case Manoeuvre::kCut: return kCutTable;
-    case Manoeuvre::kFurrows: return kFurrowsTable;
-    case Manoeuvre::kStill:
-    case Manoeuvre::kPoses: break;
+std::span<const KeyPose> tableOf(HandMotion motion) {
+  switch (motion) {
+    case HandMotion::kPress: return kPressTable;
+    case HandMotion::kStir: return kStirTable;
+    case HandMotion::kScoop: return kScoopTable;
+    case HandMotion::kCarry: return kCarryTable;
+    case HandMotion::kShake: return kShakeTable;
+    case HandMotion::kCut: return kCutTable;
+    case HandMotion::kFurrows: return kFurrowsTable;
+    case HandMotion::kStill:
+    case HandMotion::kPoses: break;
   }
   return kStillTable;
 }
@@ -108,11 +108,11 @@ struct Grip {
   double closes, closed, opens, open;
 };
 
-std::optional<Grip> gripOf(Manoeuvre manoeuvre) {
-  switch (manoeuvre) {
-    case Manoeuvre::kScoop: return Grip{0.34, 0.44, 0.74, 0.84};
-    case Manoeuvre::kCarry: return Grip{0.26, 0.34, 0.78, 0.86};
-    case Manoeuvre::kShake: return Grip{0.26, 0.34, 0.84, 0.90};
+std::optional<Grip> gripOf(HandMotion motion) {
+  switch (motion) {
+    case HandMotion::kScoop: return Grip{0.34, 0.44, 0.74, 0.84};
+    case HandMotion::kCarry: return Grip{0.26, 0.34, 0.78, 0.86};
+    case HandMotion::kShake: return Grip{0.26, 0.34, 0.84, 0.90};
     default: return {};
   }
 }
@@ -128,7 +128,7 @@ double heightOf(const KeyPose& key, const HandParameters& hand) {
   return key.height < 0 ? key.height * hand.depth_m : key.height * hand.home_m.z();
 }
 
-/// Pose of the manoeuvre at a fraction of its period; here `height` is in m above the surface.
+/// Pose of the motion at a fraction of its period; here `height` is in m above the surface.
 KeyPose interpolate(std::span<const KeyPose> table, double share, const HandParameters& hand) {
   std::size_t next = 1;
   while (next + 1 < table.size() && share > table[next].share) {
@@ -156,8 +156,8 @@ double shareOfPeriod(const HandParameters& hand, double time_s) {
 
 }  // namespace
 
-double manoeuvreOpening(const HandParameters& hand, double time_s) noexcept {
-  const std::optional<Grip> grip = gripOf(hand.manoeuvre);
+double handMotionOpening(const HandParameters& hand, double time_s) noexcept {
+  const std::optional<Grip> grip = gripOf(hand.motion);
   if (!grip) {
     return 1;
   }
@@ -168,15 +168,15 @@ double manoeuvreOpening(const HandParameters& hand, double time_s) noexcept {
   return std::clamp(1 - course(grip->closes, grip->closed) + course(grip->opens, grip->open), 0.0, 1.0);
 }
 
-Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept {
-  const KeyPose key = interpolate(tableOf(hand.manoeuvre), shareOfPeriod(hand, time_s), hand);
+Pose handMotionPose(const HandParameters& hand, double time_s) noexcept {
+  const KeyPose key = interpolate(tableOf(hand.motion), shareOfPeriod(hand, time_s), hand);
 
   const double angle = kTurn * key.turn;
   const double out_m = key.out * hand.reach_m;
   const double shake_m = key.shake * kShakeAmplitude_m * std::sin(kTurn * kShakeFrequency_hz * time_s);
 
   // A stirring blade faces the way it goes; everything else looks outwards.
-  const double yaw = hand.manoeuvre == Manoeuvre::kStir ? angle + kTurn / 4 : angle;
+  const double yaw = hand.motion == HandMotion::kStir ? angle + kTurn / 4 : angle;
   const double nose = key.nose_deg * kTurn / 360;
   return {Vec3(hand.home_m.x() + out_m * std::cos(angle),
                hand.home_m.y() + out_m * std::sin(angle) + key.aside * hand.reach_m,

@@ -5,14 +5,14 @@
 
 namespace haptolith {
 
-/// Pose scene_T_tool that a hand aims at, `time_s` after the start of the manoeuvre. Manoeuvres begin and end at
+/// Pose scene_T_tool that a hand aims at, `time_s` after the start of the motion. Motions begin and end at
 /// `hand.home_m` and repeat every `hand.period_s`; movements between their key poses are minimum-jerk (Flash and Hogan
-/// 1985, J. Neurosci. 5:1688). After `hand.active_s` the manoeuvre under way is finished, then the hand waits at home.
+/// 1985, J. Neurosci. 5:1688). After `hand.active_s` the motion under way is finished, then the hand waits at home.
 /// Not for kPoses. May be called in the tick.
-[[nodiscard]] Pose manoeuvrePose(const HandParameters& hand, double time_s) noexcept;
+[[nodiscard]] Pose handMotionPose(const HandParameters& hand, double time_s) noexcept;
 
 /// Opening of the gripper at that time, 0 closed to 1 wide open: lifting motions close at their lowest point and open
 /// where they release the soil. Not for kPoses. May be called in the tick.
-[[nodiscard]] double manoeuvreOpening(const HandParameters& hand, double time_s) noexcept;
+[[nodiscard]] double handMotionOpening(const HandParameters& hand, double time_s) noexcept;
 
 }  // namespace haptolith
