@@ -46,7 +46,7 @@ TEST(Help, NamesTheCommandItBelongsTo) {
 }
 
 TEST(Help, ShowsExamplesOfTheCommandAndNotOfTheProgram) {
-  for (const std::string command : {"teleop", "teleop profiles", "soil", "soil list", "lab", "study", "identify"}) {
+  for (const std::string command : {"teleop", "teleop link", "soil", "soil list", "lab", "study", "identify"}) {
     const std::string help = runHaptolith(command + " --help").output;
     EXPECT_THAT(help, HasSubstr("  haptolith " + command)) << command;
     EXPECT_THAT(help, Not(HasSubstr("haptolith completion bash"))) << command;
