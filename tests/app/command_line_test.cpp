@@ -87,7 +87,7 @@ TEST(Help, SaysWhatToWriteAndWhatIsTakenOtherwise) {
   const std::string bench = runHaptolith("bench --help").output;
   EXPECT_THAT(bench, HasSubstr("--friction contact|paper,..."));
   EXPECT_THAT(bench, HasSubstr("--threads N,...             Numbers of threads, 1 to 256 [1,2]\n"));
-  EXPECT_THAT(bench, HasSubstr("--seconds NUMBER            Simulated time of each row in s [1]\n"));
+  EXPECT_THAT(bench, HasSubstr("--duration-s SECONDS        Simulated time of each row [1]\n"));
   EXPECT_THAT(bench, HasSubstr("--figure FILE "));
   EXPECT_THAT(runHaptolith("lab shear --help").output,
               HasSubstr("Number of threads; the result does not depend on it, 1 to 256 [all]\n"));
