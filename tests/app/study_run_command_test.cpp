@@ -70,7 +70,7 @@ TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
   EXPECT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors,
               AllOf(HasSubstr("S01 participates"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
-  EXPECT_THAT(run.output, AllOf(HasSubstr("0 answers"), HasSubstr("study resume")));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("0 responses"), HasSubstr("study resume")));
   EXPECT_EQ(status()["participants"][0]["state"], "stopped") << "its session has ended";
   const Json session = status()["participants"][0]["sessions"][0];
   EXPECT_EQ(session["kind"], "run");

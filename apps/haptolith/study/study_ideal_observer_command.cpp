@@ -79,7 +79,7 @@ std::string tableOf(const PerceptionBlock& block, const std::vector<PerceivedCue
   const std::string& reference = block.stimuli[block.reference].name;
   std::string text = fmt::format(
       "{}, {} friction: JNDs from {} (> 0: \"more\"), and the Weber fraction of an observer who has this to judge by,\n"
-      "with the 95 % interval of {} explorations\n  {:22} {:>9}  scatter",
+      "with the 95 % interval of {} explorations\n  {:22} {:>9}       SD",
       block.name, wordFor(kFrictionWords, block.friction), reference, block.explorations.front().front().size(),
       "hand, cue", reference);
   for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
