@@ -296,7 +296,7 @@ void addOptions(CLI::App& app, Options& o) {
   Settings& s = o.settings;
   app.add_option("--program", s.program, "haptolith, the program to be judged")->required()->check(CLI::ExistingFile);
   app.add_option("--soils", o.soils,
-                 "A paper P3 Moon, B P6 contact Earth, C apollo-15-srp, D B virtual; or scene files")
+                 "A paper P3 Moon, B P6 pairwise Earth, C apollo-15-srp, D B virtual; or scene files")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--grips", o.grips, gripNames())->delimiter(',')->capture_default_str();
