@@ -2,7 +2,7 @@
 """Minimal robot for haptolith's operator, as a starting point for a real robot.
 
     examples/teleop_robot.py                             in one terminal
-    haptolith teleop operator --to 127.0.0.1:7410        in another
+    haptolith teleop operator --connect 127.0.0.1:7410   in another
 
 It follows commands by their number, stops without commands, and reports a force: that of level ground with a stiffness of
 500 N/m below the site's zero. Replace drive(), measure() and look() by an arm, a force sensor and a camera; without a camera

@@ -48,11 +48,11 @@ void addValidate(CLI::App& lab);
 
 // Subcommands of `haptolith study`.
 void addStudyExcludeCommand(CLI::App& study);
-void addStudyExploreCommand(CLI::App& study);
 void addStudyExportCommand(CLI::App& study);
 void addStudyFigureCommand(CLI::App& study);
 void addStudyFitCommand(CLI::App& study);
 void addStudyForgetCommand(CLI::App& study);
+void addStudyIdealObserverCommand(CLI::App& study);
 void addStudyNewCommand(CLI::App& study);
 void addStudyPlanCommand(CLI::App& study);
 void addStudyPreregisterCommand(CLI::App& study);

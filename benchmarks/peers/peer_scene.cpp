@@ -486,7 +486,7 @@ int run(int argc, char** argv) {
     fmt::print(stderr,
                "peer_scene <impact|slide|ten|column|shear|small-shear|blade|carry> <seed> <folder> [damping ratio "
                "[soil [normal stress "
-               "of shear, Pa [own-law]]]]\n");
+               "of shear, Pa [pair style]]]]\n");
     return 2;
   }
   const std::string name = argv[1];
@@ -512,7 +512,7 @@ int run(int argc, char** argv) {
   const std::string stem = name + "-" + argv[2];
   writeScene(folder / (stem + ".json"), scene, lab);
   writeLammps(folder / (stem + "-lammps"), scene, lab,
-              argc == 8 && std::string(argv[7]) == "own-law" ? LammpsLaw::kOwn : LammpsLaw::kOfStyles);
+              argc == 8 && std::string(argv[7]) == "haptolith" ? LammpsLaw::kHaptolith : LammpsLaw::kStandard);
   runScene(folder / (stem + "-haptolith.txt"), scene, lab);
   fmt::print("{}: {} particles of soil, {} driven, {:g} s in steps of {:g} s\n", stem, lab.soil(),
              lab.bed().particles() - lab.soil(), scene.duration_s, lab.dt());

@@ -10,7 +10,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 TEST(BenchCommand, PrintsARowForEveryCombination) {
-  const ProgramResult result = runHaptolith("bench --particles 256,600 --threads 1,2 --seconds 0.2 --json");
+  const ProgramResult result = runHaptolith("bench --particles 256,600 --threads 1,2 --duration-s 0.2 --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json answer = json::parse(result.output);
   EXPECT_GE(answer.at("timer_late_us").at("p99").get<double>(), 0);
@@ -32,7 +32,7 @@ TEST(BenchCommand, PrintsARowForEveryCombination) {
 }
 
 TEST(BenchCommand, RefusesWhatCannotBe) {
-  for (const char* wrong : {"--particles 0", "--threads 0", "--friction-model none", "--motion scoop", "--seconds 0"}) {
+  for (const char* wrong : {"--particles 0", "--threads 0", "--friction-model none", "--motion scoop", "--duration-s 0"}) {
     const ProgramResult result = runHaptolith(std::string("bench ") + wrong);
     EXPECT_EQ(result.exit_status, 2) << wrong << result.errors;
     EXPECT_THAT(result.errors, HasSubstr("error:")) << wrong;

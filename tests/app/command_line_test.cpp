@@ -47,7 +47,7 @@ TEST(Help, NamesTheCommandItBelongsTo) {
 
 TEST(Help, ShowsExamplesOfTheCommandAndNotOfTheProgram) {
   for (const std::string command :
-       {"teleop", "teleop profiles", "soil", "soil list", "soil icra2021", "lab", "study", "identify"}) {
+       {"teleop", "teleop link", "soil", "soil list", "soil icra2021", "lab", "study", "identify"}) {
     const std::string help = runHaptolith(command + " --help").output;
     EXPECT_THAT(help, HasSubstr("  haptolith " + command)) << command;
     EXPECT_THAT(help, Not(HasSubstr("haptolith completion bash"))) << command;
@@ -88,7 +88,7 @@ TEST(Help, SaysWhatToWriteAndWhatIsTakenOtherwise) {
   const std::string bench = runHaptolith("bench --help").output;
   EXPECT_THAT(bench, HasSubstr("--friction-model contact|icra2021,..."));
   EXPECT_THAT(bench, HasSubstr("--threads N,...             Numbers of threads, 1 to 256 [1,2]\n"));
-  EXPECT_THAT(bench, HasSubstr("--seconds NUMBER            Simulated time of each row in s [1]\n"));
+  EXPECT_THAT(bench, HasSubstr("--duration-s SECONDS        Simulated time of each row [1]\n"));
   EXPECT_THAT(bench, HasSubstr("--figure FILE "));
   EXPECT_THAT(runHaptolith("lab shear --help").output,
               HasSubstr("Number of threads; the result does not depend on it, 1 to 256 [all]\n"));

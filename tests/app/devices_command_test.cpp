@@ -23,7 +23,7 @@ using testing::Not;
 constexpr const char* kNowhere = "/nonexistent/sdk";
 
 json devices() {
-  const ProgramResult result = runHaptolith(std::string("devices --json --library ") + kNowhere);
+  const ProgramResult result = runHaptolith(std::string("devices --json --device-library ") + kNowhere);
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   return json::parse(result.output).at("devices");
 }
@@ -66,7 +66,9 @@ TEST(DevicesCommand, WhatNeedsNoHardwareIsAlwaysThere) {
 }
 
 TEST(DevicesCommand, ItsTextSaysTheSame) {
-  const ProgramResult result = runHaptolith(std::string("devices --library ") + kNowhere);
+  EXPECT_THAT(runHaptolith(std::string("devices --library ") + kNowhere).errors,
+              HasSubstr("--library is now --device-library"));
+  const ProgramResult result = runHaptolith(std::string("devices --device-library ") + kNowhere);
   EXPECT_EQ(result.exit_status, 0);
   EXPECT_THAT(result.output, AllOf(HasSubstr("yes  virtual-hand"), HasSubstr("no   force-dimension"),
                                    HasSubstr(kNowhere), HasSubstr("yes  network"), Not(HasSubstr("\033"))));

@@ -30,7 +30,7 @@ std::string withoutRights(const std::string& arguments) {
 }
 
 TEST(DoctorCommand, JsonIsOneObjectWithEveryCheck) {
-  const ProgramResult result = runHaptolith("doctor --seconds 0.5 --json");
+  const ProgramResult result = runHaptolith("doctor --duration-s 0.5 --json");
   const json report = json::parse(result.output);
   std::set<std::string> names;
   bool lacking = false;
@@ -72,7 +72,7 @@ TEST(DoctorCommand, JsonIsOneObjectWithEveryCheck) {
 }
 
 TEST(DoctorCommand, EndsWithWhatTheMachineCanDoInFiveLines) {
-  const ProgramResult result = runHaptolith("doctor --seconds 0.2");
+  const ProgramResult result = runHaptolith("doctor --duration-s 0.2");
   const std::size_t at = result.output.find("Summary of this machine\n\n");
   ASSERT_NE(at, std::string::npos) << result.output;
   const std::string lines = result.output.substr(result.output.find("\n\n", at) + 2);
@@ -84,7 +84,7 @@ TEST(DoctorCommand, EndsWithWhatTheMachineCanDoInFiveLines) {
 }
 
 TEST(DoctorCommand, WithoutRightsItSaysWhatIsLackingAndHowToMendIt) {
-  const ProgramResult result = runInShell(withoutRights("doctor --seconds 0.2"));
+  const ProgramResult result = runInShell(withoutRights("doctor --duration-s 0.2"));
   EXPECT_EQ(result.exit_status, 1) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr(fmt::format("the loop cannot run in real time here: {}", kLacking)));
   EXPECT_THAT(result.output, HasSubstr("  lacking          scheduler"));
@@ -92,7 +92,7 @@ TEST(DoctorCommand, WithoutRightsItSaysWhatIsLackingAndHowToMendIt) {
   EXPECT_THAT(result.output, testing::AnyOf(HasSubstr("rtprio 80\" | sudo tee"), HasSubstr("--ulimit rtprio=80")));
   EXPECT_THAT(result.output, HasSubstr(fmt::format("No. Lacking: {}", kLacking)));
   EXPECT_THAT(result.output, Not(HasSubstr("\033["))) << "colours without a terminal";
-  const json report = json::parse(runInShell(withoutRights("doctor --seconds 0.2 --json")).output);
+  const json report = json::parse(runInShell(withoutRights("doctor --duration-s 0.2 --json")).output);
   EXPECT_EQ(report.at("scheduler"), "SCHED_OTHER");
   EXPECT_EQ(report.at("verdict"), "lacking");
 }
@@ -102,7 +102,7 @@ TEST(DoctorCommand, CtrlCEndsItWithWhatWasMeasured) {
   ProgramResult result;
   for (int seconds = 1; seconds <= 32 && result.output.empty(); seconds *= 2) {
     result = runInShell(
-        fmt::format("timeout --preserve-status -s INT {} \"$HAPTOLITH\" doctor --seconds 1000 --json", seconds));
+        fmt::format("timeout --preserve-status -s INT {} \"$HAPTOLITH\" doctor --duration-s 1000 --json", seconds));
   }
   const json report = json::parse(result.output);
   EXPECT_GT(report.at("wake_ups").get<int>(), 10);
@@ -110,9 +110,9 @@ TEST(DoctorCommand, CtrlCEndsItWithWhatWasMeasured) {
 }
 
 TEST(DoctorCommand, MeasuresOnTheCpuItIsTold) {
-  const ProgramResult result = runInShell("taskset -c 0 \"$HAPTOLITH\" doctor --seconds 0.2 --json --cpu 0");
+  const ProgramResult result = runInShell("taskset -c 0 \"$HAPTOLITH\" doctor --duration-s 0.2 --json --cpu 0");
   EXPECT_EQ(json::parse(result.output).at("cpu"), 0) << result.errors;
-  const ProgramResult text = runInShell("\"$HAPTOLITH\" doctor --seconds 0.2 --cpu 0");
+  const ProgramResult text = runInShell("\"$HAPTOLITH\" doctor --duration-s 0.2 --cpu 0");
   EXPECT_THAT(text.output, HasSubstr("CPU 0)"));
   EXPECT_THAT(text.output, HasSubstr("the loop needs"));
 }
@@ -120,10 +120,11 @@ TEST(DoctorCommand, MeasuresOnTheCpuItIsTold) {
 TEST(DoctorCommand, WrongUseIsToldAndHasStatusTwo) {
   const struct {
     const char *arguments, *told;
-  } cases[] = {{"--seconds 0", "seconds = 0 is not valid: must be 0.1 to "},
-               {"--seconds -1", "seconds = -1"},
-               {"--seconds nan", "seconds = nan"},
-               {"--seconds ten", "ten"},
+  } cases[] = {{"--duration-s 0", "duration_s = 0 is not valid: must be 0.1 to "},
+               {"--duration-s -1", "duration_s = -1"},
+               {"--duration-s nan", "duration_s = nan"},
+               {"--duration-s ten", "ten"},
+               {"--seconds 0", "--seconds is now --duration-s"},
                {"--cpu 1024", "cpu = 1024"},
                {"--cpu 1023", "cpu = 1023 is not valid: must be -1 (any) or a CPU that this process may use: "},
                {"--cpu -2", "cpu = -2"},

@@ -77,7 +77,7 @@ depth_mm = 50
 
 TEST_F(ToLammps, GoesABedAndComesBackAsItLay) {
   const ProgramResult exported =
-      runHaptolith(fmt::format("export {} --format lammps --out {} --run-s 0.2", path("springs.toml"), path("l")));
+      runHaptolith(fmt::format("export {} --format lammps --out {} --duration-s 0.2", path("springs.toml"), path("l")));
   ASSERT_EQ(exported.exit_status, 0) << exported.errors;
   EXPECT_THAT(exported.output, HasSubstr("lmp -in in.haptolith"));
   EXPECT_EQ(exported.errors, "") << "springs are what LAMMPS has";
@@ -188,6 +188,19 @@ TEST_F(ToLammps, GoesNothingThatLammpsDoesNotHave) {
       runHaptolith(fmt::format("export {} --format lammps --from-s 2 --out {}", path("springs.toml"), path("l")));
   EXPECT_EQ(times.exit_status, 2);
   EXPECT_THAT(times.errors, HasSubstr("a scene has no recorded times"));
+}
+
+TEST_F(ToLammps, FormerOptionsStillWork) {
+  const ProgramResult exported = runHaptolith(
+      fmt::format("export {} --format lammps --out {} --run-s 0.2 --own-law", path("springs.toml"), path("l")));
+  EXPECT_EQ(exported.exit_status, 0) << exported.errors;
+  EXPECT_THAT(exported.errors, HasSubstr("--run-s is now --duration-s"));
+  EXPECT_THAT(exported.errors, HasSubstr("--own-law is now --pair-style=haptolith"));
+  EXPECT_THAT(exported.output, HasSubstr("built with haptolith's law"));
+  const ProgramResult imported =
+      runHaptolith(fmt::format("import {} --out {} --picture 1", path("none.lammpstrj"), path("l/dug.toml")));
+  EXPECT_NE(imported.exit_status, 0);
+  EXPECT_THAT(imported.errors, HasSubstr("--picture is now --frame"));
 }
 
 TEST_F(ToLammps, GoesADumpToVtk) {

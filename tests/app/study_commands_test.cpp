@@ -143,7 +143,7 @@ TEST_F(StudyCommands, GroupsAreAssignedCountedExportedAndCompared) {
   }
   EXPECT_THAT(compared,
               testing::ElementsAre("seen, both", "unseen, both", "one both, two both", "one seen, two unseen"));
-  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv"))).exit_status, 0);
   const ProgramResult script = runInShell("/usr/bin/python3 " + file("a-analysis.py") + " --json --no-glmm");
   ASSERT_EQ(script.exit_status, 0) << script.errors;
   for (const Json& again : Json::parse(script.output)) {
@@ -155,7 +155,8 @@ TEST_F(StudyCommands, GroupsAreAssignedCountedExportedAndCompared) {
                 0.01 * again["weber_fraction"].get<double>());
   }
   ASSERT_EQ(
-      runHaptolith(fmt::format("study export {} --to {} --format bids", file("a.study"), file("bids"))).exit_status, 0);
+      runHaptolith(fmt::format("study export {} --out {} --format bids", file("a.study"), file("bids"))).exit_status,
+      0);
   const ProgramResult of_folder =
       runInShell(fmt::format("/usr/bin/python3 {0}/code/analysis.py {0} --json --no-glmm", file("bids")));
   const auto sorted = [](const std::string& text) {  // a folder has another order
@@ -207,7 +208,7 @@ TEST_F(StudyCommands, NewRefusesWhatIsWrongAndLeavesNoFile) {
 TEST_F(StudyCommands, WriteNoFileOfTheNameOfStandardOutput) {
   makeStudy();
   for (const std::string& command :
-       {std::string("new - --protocol icra2021"), "export " + file("a.study") + " --to -"}) {
+       {std::string("new - --protocol icra2021"), "export " + file("a.study") + " --out -"}) {
     const ProgramResult refused = runHaptolith("study " + command);
     EXPECT_EQ(refused.exit_status, 2) << command;
     EXPECT_THAT(refused.errors, HasSubstr("must be a file name")) << command;
@@ -290,13 +291,13 @@ TEST_F(StudyCommands, StatusRefusesWhatIsNoStudy) {
 TEST_F(StudyCommands, ExportWritesATable) {
   makeStudy();
   fillStudy();
-  const ProgramResult result = runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv")));
+  const ProgramResult result = runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_THAT(read("a.csv"), AllOf(HasSubstr("participant,participant_number,participant_state,excluded_for,block"),
                                    HasSubstr("S02,2,finished,,friction,1,3,1,main"), Not(HasSubstr("Grace"))));
-  EXPECT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 1);
+  EXPECT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv"))).exit_status, 1);
   const ProgramResult personal =
-      runHaptolith(fmt::format("study export {} --to {} --personal --overwrite", file("a.study"), file("a.csv")));
+      runHaptolith(fmt::format("study export {} --out {} --personal --overwrite", file("a.study"), file("a.csv")));
   EXPECT_EQ(personal.exit_status, 0) << personal.errors;
   EXPECT_THAT(read("a.csv"), HasSubstr("Grace"));
 }
@@ -305,17 +306,17 @@ TEST_F(StudyCommands, ExportMakesABidsFolder) {
   makeStudy();
   fillStudy();
   const ProgramResult result =
-      runHaptolith(fmt::format("study export {} --to {} --format bids", file("a.study"), file("bids")));
+      runHaptolith(fmt::format("study export {} --out {} --format bids", file("a.study"), file("bids")));
   EXPECT_EQ(result.exit_status, 0) << result.errors;
   EXPECT_TRUE(fs::exists(folder_ / "bids/sub-S02/beh/sub-S02_task-friction_beh.tsv"));
-  EXPECT_EQ(runHaptolith(fmt::format("study export {} --to {} --format spss", file("a.study"), file("b"))).exit_status,
+  EXPECT_EQ(runHaptolith(fmt::format("study export {} --out {} --format spss", file("a.study"), file("b"))).exit_status,
             2);
 }
 
 TEST_F(StudyCommands, FitTakesWhatExportHasWritten) {
   makeStudy();
   fillStudy();
-  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv"))).exit_status, 0);
   const ProgramResult fit = runHaptolith(
       fmt::format("study fit --data {} --sigmoid weber --reference 0.835 --simulations 10 --json", file("a.csv")));
   ASSERT_EQ(fit.exit_status, 0) << fit.errors;
@@ -341,7 +342,7 @@ TEST_F(StudyCommands, ExcludeLeavesOutOfFiguresAndMarksInExports) {
   EXPECT_THAT(runHaptolith("study status " + file("a.study")).output,
               AllOf(HasSubstr("excluded"), HasSubstr("1 excluded (catch trials)")));
   EXPECT_THAT(runHaptolith("study figure " + file("a.study")).errors, HasSubstr("there are no responses yet"));
-  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv"))).exit_status, 0);
   EXPECT_THAT(read("a.csv"), HasSubstr("S02,2,excluded,catch trials,friction"));
   EXPECT_EQ(runHaptolith(fmt::format("study fit --data {}", file("a.csv"))).exit_status, 2) << "no answer is left";
   EXPECT_EQ(exclude("--undo --reason 'another criterion'").exit_status, 0);
@@ -360,7 +361,7 @@ TEST_F(StudyCommands, ExportStaysInItsFolderWhateverTheStudySays) {
                   folder_.string()));
   ASSERT_EQ(forged.exit_status, 0) << forged.errors;
   const ProgramResult result =
-      runHaptolith(fmt::format("study export {} --to {} --format bids", file("a.study"), file("out")));
+      runHaptolith(fmt::format("study export {} --out {} --format bids", file("a.study"), file("out")));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("code = '/../../../escaped'; must be 1 to 16 letters and digits"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
@@ -391,7 +392,7 @@ TEST_F(StudyCommands, ForgetTakesRecordingsAndNamesWhatStays) {
   fillStudy();
   fs::create_directory(folder_ / "a-recordings");
   std::ofstream(folder_ / "a-recordings/S02-friction-001-1-first.h5") << "\x89HDF";
-  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv"))).exit_status, 0);
   const ProgramResult forget =
       runHaptolith(fmt::format("study forget {} S02 --reason 'asked for it'", file("a.study")));
   EXPECT_EQ(forget.exit_status, 0) << forget.errors;

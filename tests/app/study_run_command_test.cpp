@@ -70,7 +70,7 @@ TEST_F(StudyRunCommands, RunGivesTheNextCodeAndTwoPages) {
   EXPECT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.errors,
               AllOf(HasSubstr("S01 participates"), HasSubstr("&study=participant"), HasSubstr("&study=experimenter")));
-  EXPECT_THAT(run.output, AllOf(HasSubstr("0 answers"), HasSubstr("study resume")));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("0 responses"), HasSubstr("study resume")));
   EXPECT_EQ(status()["participants"][0]["state"], "stopped") << "its session has ended";
   const Json session = status()["participants"][0]["sessions"][0];
   EXPECT_EQ(session["kind"], "run");
@@ -279,7 +279,7 @@ TEST_F(RunningStudy, ARobotBehindALinkFollowsInEachTrialAndIsMeasured) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   const std::string table = file("press.csv");
-  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), table)).exit_status, 0) << said();
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), table)).exit_status, 0) << said();
   const auto rows = tableIn(table);
   ASSERT_EQ(rows.size(), 2U);
   for (std::map<std::string, std::string> row : rows) {
@@ -302,7 +302,7 @@ TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
   const ProgramResult run = runHaptolith(fmt::format("study simulate {} --participants 2", file("a.study")));
   ASSERT_EQ(run.exit_status, 0) << run.errors;
   EXPECT_THAT(run.output, HasSubstr("4 trials of robot tasks"));
-  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv"))).exit_status, 0);
   std::set<std::string> times;
   for (std::map<std::string, std::string> row : tableIn(file("a.csv"))) {
     EXPECT_EQ(row["teleop_done"], "1") << row["level"];
@@ -322,7 +322,7 @@ TEST_F(StudyRunCommands, AVirtualOperatorDoesWorkForARobot) {
   EXPECT_TRUE(blocks[1]["measures"][1]["more_than_first"]["low"].is_number());
   EXPECT_THAT(runHaptolith("study figure " + file("a.study")).output, HasSubstr("task time (s)"));
   EXPECT_THAT(runHaptolith("study status " + file("a.study")).output, HasSubstr("task time (s)"));
-  const ProgramResult drawn = runHaptolith(fmt::format("study figure {} --out {}", file("a.study"), file("a.svg")));
+  const ProgramResult drawn = runHaptolith(fmt::format("study figure {} --figure {}", file("a.study"), file("a.svg")));
   ASSERT_EQ(drawn.exit_status, 0) << drawn.errors;
   std::ifstream picture(file("a.svg"));
   const std::string svg{std::istreambuf_iterator<char>(picture), {}};
@@ -397,7 +397,7 @@ TEST_F(StudyRunCommands, WrongUseIsToldAndHasStatusTwo) {
            {"plan --protocol nosuch", "nosuch"},
            {"plan --participants 0", "participants = 0"},
            {"plan --studies 1", "studies = 1"},
-           {"plan --against 0", "against = 0"},
+           {"plan --alternative 0", "alternative = 0"},
        }) {
     const ProgramResult result = runInShell("timeout 20 \"$HAPTOLITH\" study " + arguments);
     EXPECT_EQ(result.exit_status, 2) << arguments << "\n" << result.errors;
@@ -411,7 +411,7 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
   EXPECT_EQ(simulated.exit_status, 0) << simulated.errors;
   EXPECT_THAT(simulated.output, HasSubstr("900 counted responses"));
   const ProgramResult figure =
-      runHaptolith(fmt::format("study figure {} --json --out {}", file("a.study"), file("fig.svg")));
+      runHaptolith(fmt::format("study figure {} --json --figure {}", file("a.study"), file("fig.svg")));
   EXPECT_EQ(figure.exit_status, 0) << figure.errors;
   const Json told = Json::parse(figure.output);
   const Json& blocks = told["blocks"];
@@ -427,8 +427,8 @@ TEST_F(StudyRunCommands, SimulatedPeopleMakeAFigureThatFindsTheirWeberFraction) 
   EXPECT_LT(told["differences"][0]["weber_fraction"]["interval"][0], 1) << "everybody has the same Weber fraction";
   EXPECT_TRUE(fs::exists(folder_ / "fig-friction.svg"));
   EXPECT_TRUE(fs::exists(folder_ / "fig-gravity.svg"));
-  const ProgramResult one =
-      runHaptolith(fmt::format("study figure {} --block friction --pooled --out {}", file("a.study"), file("one.png")));
+  const ProgramResult one = runHaptolith(
+      fmt::format("study figure {} --block friction --pooled --figure {}", file("a.study"), file("one.png")));
   EXPECT_TRUE(fs::exists(folder_ / "one.png")) << one.errors;
   EXPECT_THAT(one.output,
               AllOf(HasSubstr("30 participants,"), HasSubstr("Weber fraction"), HasSubstr("PSE"),
@@ -445,7 +445,7 @@ TEST_F(StudyRunCommands, TheScriptOfAnExportMakesTheNumbersOfAFigureAgain) {
   const ProgramResult figure = runHaptolith(fmt::format("study figure {} --json", file("a.study")));
   ASSERT_EQ(figure.exit_status, 0) << figure.errors;
   const Json headline = Json::parse(figure.output)["blocks"][0]["headline"];
-  ASSERT_EQ(runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv"))).exit_status, 0);
+  ASSERT_EQ(runHaptolith(fmt::format("study export {} --out {}", file("a.study"), file("a.csv"))).exit_status, 0);
   const ProgramResult script = runInShell("/usr/bin/python3 '" + file("a-analysis.py") + "' --json --no-glmm");
   ASSERT_EQ(script.exit_status, 0) << script.errors;
   const Json again = Json::parse(script.output)[0];
@@ -486,9 +486,24 @@ TEST_F(StudyRunCommands, AFigureOfNothingIsAFailure) {
   EXPECT_THAT(figure.errors, HasSubstr("there are no responses yet"));
 }
 
+TEST_F(StudyRunCommands, FormerOptionsStillWork) {
+  makeStudy("paper");
+  const ProgramResult plan = runHaptolith("study plan --against 0 --people --spread 0.1");
+  EXPECT_EQ(plan.exit_status, 2);
+  EXPECT_THAT(plan.errors, AllOf(HasSubstr("--against is now --alternative"), HasSubstr("--people is now --find-n"),
+                                 HasSubstr("--spread is now --between-sd"), HasSubstr("alternative = 0")));
+  const ProgramResult table = runHaptolith(fmt::format("study export {} --to {}", file("a.study"), file("a.csv")));
+  EXPECT_EQ(table.exit_status, 0) << table.errors;
+  EXPECT_THAT(table.errors, HasSubstr("--to is now --out"));
+  const ProgramResult figure = runHaptolith(fmt::format("study figure {} --out {}", file("a.study"), file("a.svg")));
+  EXPECT_EQ(figure.exit_status, 1) << "it has no responses";
+  EXPECT_THAT(figure.errors, HasSubstr("--out is now --figure"));
+}
+
 TEST_F(StudyRunCommands, APlanTellsHowManyPeopleAreNeeded) {
-  const ProgramResult plan = runHaptolith(fmt::format(
-      "study plan --participants 4,16 --repeats 3 --studies 40 --against 0.5 --json --figure {}", file("plan.svg")));
+  const ProgramResult plan = runHaptolith(
+      fmt::format("study plan --participants 4,16 --repeats 3 --studies 40 --alternative 0.5 --json --figure {}",
+                  file("plan.svg")));
   ASSERT_EQ(plan.exit_status, 0) << plan.errors;
   const Json sizes = Json::parse(plan.output)["sizes"];
   ASSERT_EQ(sizes.size(), 2U);

@@ -16,13 +16,27 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(TeleopCommands, ProfilesAreListed) {
-  const ProgramResult table = runHaptolith("teleop profiles");
+  const ProgramResult table = runHaptolith("teleop link --list");
   EXPECT_EQ(table.exit_status, 0);
   EXPECT_THAT(table.output, AllOf(HasSubstr("earth-moon "), HasSubstr("2.6"), HasSubstr("outage")));
-  const json profiles = json::parse(runHaptolith("teleop profiles --json").output).at("profiles");
+  const json profiles = json::parse(runHaptolith("teleop link --list --json").output).at("profiles");
   EXPECT_EQ(profiles.size(), 7U);
   EXPECT_EQ(profiles[0]["name"], "lan");
   EXPECT_NEAR(profiles[5]["loss"].get<double>(), 0.03, 1e-12);
+}
+
+TEST(TeleopCommands, FormerNamesStillWork) {
+  const ProgramResult profiles = runHaptolith("teleop profiles --json");
+  EXPECT_EQ(profiles.exit_status, 0) << profiles.errors;
+  EXPECT_EQ(json::parse(profiles.output).at("profiles").size(), 7U);
+  EXPECT_THAT(profiles.errors, HasSubstr("teleop profiles is now teleop link --list"));
+  const ProgramResult robot = runHaptolith("teleop remote paper --listen 0.0.0.0:7410 --duration-s 1");
+  EXPECT_THAT(robot.errors, AllOf(HasSubstr("teleop remote is now teleop robot"), HasSubstr("--key-file")));
+  const ProgramResult link = runHaptolith("teleop link --to here");
+  EXPECT_THAT(link.errors, AllOf(HasSubstr("--to is now --connect"), HasSubstr("HOST:PORT")));
+  const ProgramResult bench = runHaptolith("teleop bench --case both,model --lets-go-s 1 --task press");
+  EXPECT_THAT(bench.errors, AllOf(HasSubstr("both is now calibrated+adaptive"), HasSubstr("model is now static"),
+                                  HasSubstr("--release-s = 1 is not valid")));
 }
 
 TEST(TeleopCommands, ALinkStandsBetweenTwoPrograms) {
@@ -31,7 +45,7 @@ TEST(TeleopCommands, ALinkStandsBetweenTwoPrograms) {
       std::filesystem::path(testing::TempDir()) / ("haptolith-link-" + std::to_string(getpid()) + ".py");
   std::ofstream(script) << R"(import json, socket, subprocess, sys, threading, time
 robot = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); robot.bind(('127.0.0.1', 0)); robot.settimeout(5)
-link = subprocess.Popen([sys.argv[1], 'teleop', 'link', '--listen', '127.0.0.1:0', '--to', '127.0.0.1:%d' % robot.getsockname()[1],
+link = subprocess.Popen([sys.argv[1], 'teleop', 'link', '--listen', '127.0.0.1:0', '--connect', '127.0.0.1:%d' % robot.getsockname()[1],
                          '--profile', 'gateway', '--loss', '0', '--round-trip-s', '0.2', '--jitter-ms', '0',
                          '--duration-s', '2.5', '--json'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 said = link.stderr.readline()
@@ -67,9 +81,9 @@ TEST(TeleopCommands, TheBenchComparesAndKeepsItsFiles) {
   const ProgramResult result = runHaptolith(bench + " --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json runs = json::parse(result.output).at("runs");
-  ASSERT_EQ(runs.size(), 5U) << "a twin needs no delays";
-  EXPECT_EQ(runs[0]["case"], "model");
-  EXPECT_EQ(runs[2]["case"], "twin");
+  ASSERT_EQ(runs.size(), 5U) << "an oracle needs no delays";
+  EXPECT_EQ(runs[0]["case"], "static");
+  EXPECT_EQ(runs[2]["case"], "oracle");
   EXPECT_EQ(runs[4]["case"], "bilateral");
   EXPECT_NEAR(runs[3]["behind_s"].get<double>(), 1.03, 0.05);
   EXPECT_LT(runs[0]["off_in_air_m"].get<double>(), 1e-3);
@@ -88,10 +102,10 @@ TEST(TeleopCommands, AnOperatorLeadsARobotInAnotherProgram) {
   const std::filesystem::path script =
       std::filesystem::path(testing::TempDir()) / ("haptolith-lead-" + std::to_string(getpid()) + ".py");
   std::ofstream(script) << R"(import json, subprocess, sys
-robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'icra2021', '--listen', '127.0.0.1:0', '--duration-s', '20',
+robot = subprocess.Popen([sys.argv[1], 'teleop', 'robot', 'icra2021', '--listen', '127.0.0.1:0', '--duration-s', '20',
                           '--json'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
-lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'icra2021', '--motion', 'still', '--to', '127.0.0.1:' + port,
+lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'icra2021', '--motion', 'still', '--connect', '127.0.0.1:' + port,
                        '--duration-s', '3', '--json'], capture_output=True, text=True)
 robot.send_signal(2)
 print(json.dumps({'lead': json.loads(lead.stdout), 'robot': json.loads(robot.communicate()[0])}))
@@ -112,11 +126,11 @@ TEST(TeleopCommands, TheOperatorsSoilLearnsAndIsReplayedToTheLastBit) {
       std::filesystem::path(testing::TempDir()) / ("haptolith-learns-" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
   std::ofstream(folder / "learn.py") << R"(import subprocess, sys
-robot = subprocess.Popen([sys.argv[1], 'teleop', 'remote', 'teleop-site', '--set', 'soil.radius_mm=8', '--set', 'soil.stiffness_n_m=3000',
+robot = subprocess.Popen([sys.argv[1], 'teleop', 'robot', 'teleop-site', '--set', 'soil.radius_mm=8', '--set', 'soil.stiffness_n_m=3000',
                           '--listen', '127.0.0.1:0', '--duration-s', '40'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 port = robot.stderr.readline().split('at port ')[1].split(';')[0].split(',')[0]
 lead = subprocess.run([sys.argv[1], 'teleop', 'operator', 'teleop-model', '--set', 'soil.radius_mm=9', '--set', 'hand.period_s=24',
-                       '--to', '127.0.0.1:' + port, '--duration-s', '12', '--json', '--record', sys.argv[2]],
+                       '--connect', '127.0.0.1:' + port, '--duration-s', '12', '--json', '--record', sys.argv[2]],
                       capture_output=True, text=True)
 robot.send_signal(2)
 robot.communicate()
@@ -162,26 +176,26 @@ print(json.dumps({'reports': len(reports),
   std::filesystem::remove_all(folder);
 
   const ProgramResult refused =
-      runHaptolith("teleop operator icra2021 --learn --to 127.0.0.1:7410 --duration-s 1 --no-serve");
+      runHaptolith("teleop operator icra2021 --learn --connect 127.0.0.1:7410 --duration-s 1 --no-serve");
   EXPECT_EQ(refused.exit_status, 2);
   EXPECT_THAT(refused.errors, HasSubstr("contact"));
 }
 
 TEST(TeleopCommands, BothEndsStayOnThisMachineWithoutAKey) {
-  const ProgramResult remote = runHaptolith("teleop remote icra2021 --listen 0.0.0.0:7410 --duration-s 1");
-  EXPECT_EQ(remote.exit_status, 2);
-  EXPECT_THAT(remote.errors, AllOf(HasSubstr("0.0.0.0:7410"), HasSubstr("--key-file")));
-  const ProgramResult lead = runHaptolith("teleop operator icra2021 --to 192.0.2.1:7410 --duration-s 1 --no-serve");
+  const ProgramResult robot = runHaptolith("teleop robot icra2021 --listen 0.0.0.0:7410 --duration-s 1");
+  EXPECT_EQ(robot.exit_status, 2);
+  EXPECT_THAT(robot.errors, AllOf(HasSubstr("0.0.0.0:7410"), HasSubstr("--key-file")));
+  const ProgramResult lead = runHaptolith("teleop operator icra2021 --connect 192.0.2.1:7410 --duration-s 1 --no-serve");
   EXPECT_EQ(lead.exit_status, 2);
   EXPECT_THAT(lead.errors, AllOf(HasSubstr("192.0.2.1:7410"), HasSubstr("--key-file")));
-  EXPECT_THAT(runHaptolith("teleop operator icra2021").errors, HasSubstr("--to"));
+  EXPECT_THAT(runHaptolith("teleop operator icra2021").errors, HasSubstr("--connect"));
 }
 
 TEST(TeleopCommands, AHandThatLetsGoHasNoTaskAndFeelsAModel) {
   for (const char* with : {"--task press", "--case bilateral"}) {
-    const ProgramResult result = runHaptolith(std::string("teleop bench --lets-go-s 1 ") + with);
+    const ProgramResult result = runHaptolith(std::string("teleop bench --release-s 1 ") + with);
     EXPECT_EQ(result.exit_status, 2) << result.output;
-    EXPECT_THAT(result.errors, HasSubstr("--lets-go-s"));
+    EXPECT_THAT(result.errors, HasSubstr("--release-s"));
   }
 }
 
@@ -191,20 +205,21 @@ TEST(TeleopCommands, WhatIsWrongIsSaid) {
     EXPECT_EQ(result.exit_status, 2) << arguments << result.output;
     return result.errors;
   };
-  EXPECT_THAT(refused(""), HasSubstr("--to"));
-  EXPECT_THAT(refused("--to here"), HasSubstr("HOST:PORT"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --profile mars"), AllOf(HasSubstr("'mars'"), HasSubstr("earth-moon")));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --loss 2"), HasSubstr("0 to 1"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5,10 --outage 8,1"), HasSubstr("outages"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5,x"), HasSubstr("'5,x' is not valid: must be START_S"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --outage 5 --duration-s 1"), HasSubstr("--outage = '5' is not valid"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --seed 1.5"), HasSubstr("whole number"));
-  EXPECT_THAT(refused("--to 127.0.0.1:9 --delays-up /nonexistent.csv"), HasSubstr("no such file"));
+  EXPECT_THAT(refused(""), HasSubstr("--connect or --list is required"));
+  EXPECT_THAT(refused("--list --connect 127.0.0.1:9"), HasSubstr("cannot both be given"));
+  EXPECT_THAT(refused("--connect here"), HasSubstr("HOST:PORT"));
+  EXPECT_THAT(refused("--connect 127.0.0.1:9 --profile mars"), AllOf(HasSubstr("'mars'"), HasSubstr("earth-moon")));
+  EXPECT_THAT(refused("--connect 127.0.0.1:9 --loss 2"), HasSubstr("0 to 1"));
+  EXPECT_THAT(refused("--connect 127.0.0.1:9 --outage 5,10 --outage 8,1"), HasSubstr("outages"));
+  EXPECT_THAT(refused("--connect 127.0.0.1:9 --outage 5,x"), HasSubstr("'5,x' is not valid: must be START_S"));
+  EXPECT_THAT(refused("--connect 127.0.0.1:9 --outage 5 --duration-s 1"), HasSubstr("--outage = '5' is not valid"));
+  EXPECT_THAT(refused("--connect 127.0.0.1:9 --seed 1.5"), HasSubstr("whole number"));
+  EXPECT_THAT(refused("--connect 127.0.0.1:9 --delays-up /nonexistent.csv"), HasSubstr("no such file"));
 }
 
 TEST(TeleopCommands, CtrlCEndsABenchWhoseBedsSettle) {
   const ProgramResult result = runInShell(
-      "HAPTOLITH_CACHE=off timeout --preserve-status -s INT -k 10 2 \"$HAPTOLITH\" teleop bench --case model "
+      "HAPTOLITH_CACHE=off timeout --preserve-status -s INT -k 10 2 \"$HAPTOLITH\" teleop bench --case static "
       "--round-trip-s 0 --threads 1");
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("interrupted"));

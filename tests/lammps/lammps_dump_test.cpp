@@ -82,7 +82,7 @@ TEST_F(LammpsDump, GivesTheLastThatIsWhole) {
                           "ITEM: TIMESTEP\n200\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
                           "ITEM: ATOMS id type x y z radius\n1 1 0 0 3 0.004\n";
   EXPECT_EQ(readLammpsDump(with(cut)).step, 100);
-  EXPECT_THAT(errorOf(two, 3), HasSubstr("has 2 whole pictures"));
+  EXPECT_THAT(errorOf(two, 3), HasSubstr("has 2 complete frames"));
 }
 
 TEST_F(LammpsDump, RefusesWhatIsNone) {

@@ -158,7 +158,7 @@ TEST(LammpsExport, WritesOurOwnLawWithOneTypeAndNoTable) {
   parameters.soil.gamma_nm /= 20;
   parameters.soil.contact_cohesion_n = 0.02;
   const Bed bed(parameters);
-  const LammpsFiles files = lammpsFiles(bed, {.dt_s = 2e-4, .duration_s = 1, .law = LammpsLaw::kOwn});
+  const LammpsFiles files = lammpsFiles(bed, {.dt_s = 2e-4, .duration_s = 1, .law = LammpsLaw::kHaptolith});
   EXPECT_EQ(files.soil_types, 1);
   EXPECT_EQ(files.table, "");
   EXPECT_THAT(files.setup, HasSubstr("pair_style      granular\npair_coeff      * * haptolith 0.014 "));

@@ -97,7 +97,7 @@ TEST(GranularLaw, OfItsOwnEndsWhereTheBedsDoes) {
   // Also the damper: without cohesion an approaching particle is braked in contact only.
   const Bed with_cohesion(lunar(0.24)), without(lunar(0));
   for (const Bed* bed : {&with_cohesion, &without}) {
-    const GranularLaw law = granularLaw(*bed, LammpsLaw::kOwn);
+    const GranularLaw law = granularLaw(*bed, LammpsLaw::kHaptolith);
     const double reach_m = bed->law().cutoff_m - bed->law().diameter_m;
     EXPECT_DOUBLE_EQ(law.own->reach_m, reach_m);
     EXPECT_DOUBLE_EQ(2 * law.larger_m, reach_m);
@@ -107,7 +107,7 @@ TEST(GranularLaw, OfItsOwnEndsWhereTheBedsDoes) {
               6);
     EXPECT_NEAR(written_m, reach_m, 1e-12);
   }
-  EXPECT_EQ(granularLaw(without, LammpsLaw::kOwn).own->reach_m, 0);
+  EXPECT_EQ(granularLaw(without, LammpsLaw::kHaptolith).own->reach_m, 0);
 }
 
 TEST(GranularLaw, LimitsFrictionByAboutWhatTheSoilDoes) {

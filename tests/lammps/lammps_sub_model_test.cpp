@@ -47,7 +47,7 @@ Coefficients coefficientsOf(const std::string& text) {
 class LammpsSubModel : public testing::Test {
  protected:
   Bed bed_{cohesive()};
-  GranularLaw law_ = granularLaw(bed_, LammpsLaw::kOwn);
+  GranularLaw law_ = granularLaw(bed_, LammpsLaw::kHaptolith);
   Coefficients numbers_ = coefficientsOf(law_.betweenGrains());
   double diameter_m_ = bed_.law().diameter_m, more_m_ = 2 * law_.larger_m;
 
@@ -95,7 +95,7 @@ TEST(LammpsSubModelWithoutCohesion, BrakesNothingBeforeItTouches) {
   BedParameters parameters = cohesive();
   parameters.soil.contact_cohesion_n = 0;
   const Bed bed(parameters);
-  const Coefficients numbers = coefficientsOf(granularLaw(bed, LammpsLaw::kOwn).betweenGrains());
+  const Coefficients numbers = coefficientsOf(granularLaw(bed, LammpsLaw::kHaptolith).betweenGrains());
   std::array<double, 3> stretch{};
   const auto force_at = [&](double a_m) {
     const SubModelContact contact{

@@ -116,7 +116,7 @@ StudyBlock frictionBlock() {
 
 TEST(StudyPlan, MoreAnswersMakeNarrowerIntervalsAndMorePower) {
   const std::vector<PlanOutcome> outcomes =
-      planStudy(frictionBlock(), {{4, 3}, {8, 6}, {12, 12}}, {.against = 0.4, .studies = 30});
+      planStudy(frictionBlock(), {{4, 3}, {8, 6}, {12, 12}}, {.alternative = 0.4, .studies = 30});
   ASSERT_EQ(outcomes.size(), 3U);
   EXPECT_EQ(outcomes[0].answers, 4 * 3 * 5);
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -134,21 +134,22 @@ TEST(StudyPlan, MoreAnswersMakeNarrowerIntervalsAndMorePower) {
 // If participants differ, a Weber fraction is not distinguished from itself more often than the interval is wrong.
 TEST(StudyPlan, DoesNotTellAWeberFractionFromItself) {
   const PlanOutcome same =
-      planStudy(frictionBlock(), {{8, 6}}, {.spread = 0.6, .against = 0.29, .studies = 60}).front();
+      planStudy(frictionBlock(), {{8, 6}}, {.between_sd = 0.6, .alternative = 0.29, .studies = 60}).front();
   EXPECT_LE(same.power->value, 0.15) << "5 % of 60 studies are 3, give or take 1.7";
 }
 
 // With so many responses that each participant's Weber fraction is known, the t test over ln w has exact power.
 TEST(StudyPlan, HasThePowerOfATTestWhereEachPersonIsKnownWell) {
   constexpr int kPeople = 8;
-  constexpr double kSpread = 0.6, kAgainst = 0.5;
+  constexpr double kBetweenSd = 0.6, kAlternative = 0.5;
   const ObserverParameters median_person;
-  const double deviations = std::log(kAgainst / median_person.weber_fraction) / kSpread;
+  const double deviations = std::log(kAlternative / median_person.weber_fraction) / kBetweenSd;
   const double critical = boost::math::quantile(boost::math::students_t(kPeople - 1), 0.975);
   const double power = boost::math::cdf(
       boost::math::complement(boost::math::non_central_t(kPeople - 1, deviations * std::sqrt(kPeople)), critical));
-  const PlanOutcome known_well =
-      planStudy(frictionBlock(), {{kPeople, 200}}, {.spread = kSpread, .against = kAgainst, .studies = 100}).front();
+  const PlanOutcome known_well = planStudy(frictionBlock(), {{kPeople, 200}},
+                                           {.between_sd = kBetweenSd, .alternative = kAlternative, .studies = 100})
+                                     .front();
   EXPECT_NEAR(known_well.power->value, power, 3 * std::sqrt(power * (1 - power) / 100)) << "exactly " << power;
 }
 
@@ -165,7 +166,7 @@ TEST(StudyPlan, SearchesTheLeastNumberOfPeople) {
 TEST(StudyPlan, WhatMakesNoSenseIsRefused) {
   StudyBlock block = frictionBlock();
   EXPECT_THROW((void)planStudy(block, {{0, 3}}, {}), InvalidParameter);
-  EXPECT_THROW((void)planStudy(block, {{4, 3}}, {.against = -1}), InvalidParameter);
+  EXPECT_THROW((void)planStudy(block, {{4, 3}}, {.alternative = -1}), InvalidParameter);
   EXPECT_THROW((void)planStudy(block, {{4, 3}}, {}, [] { return false; }), Failure);
   block.procedure = ProcedureKind::kStaircase;
   EXPECT_THROW((void)planStudy(block, {{4, 3}}, {}), InvalidParameter);

@@ -213,7 +213,7 @@ TEST_F(Store, TakesOneAnswerForATrial) {
   const std::int64_t begun = store.beginTrial(trial(id, 0));
   store.answerTrial(begun, answer(1));
   EXPECT_THAT(messageOf<Failure>([&] { store.answerTrial(begun, answer(2)); }), HasSubstr("is answered"));
-  EXPECT_THAT(messageOf<Failure>([&] { store.beginTrial(trial(id, 0, 1)); }), HasSubstr("already has an answer"));
+  EXPECT_THAT(messageOf<Failure>([&] { store.beginTrial(trial(id, 0, 1)); }), HasSubstr("already has a response"));
   ASSERT_EQ(store.trials(id).size(), 1U);
   EXPECT_EQ(store.trials(id)[0].answer->reaction_s, 1);
 }

@@ -179,7 +179,7 @@ TEST_F(Ends, AStrangerWithoutTheKeyMovesNothing) {
   EXPECT_FALSE(until([&] { return robot_.connection() != 0; }, &stranger));
   EXPECT_GT(server_->counts().forged, 0U);
   EXPECT_FALSE(stranger.news().ever);
-  UdpPort port("to", "127.0.0.1:0");
+  UdpPort port("connect", "127.0.0.1:0");
   port.send(to_, commandOf(5, 1));  // unsigned
   EXPECT_TRUE(until([&] { return server_->counts().forged > 10 || robot_.connection() != 0; }, &stranger));
   EXPECT_EQ(robot_.connection(), 0U);
@@ -188,7 +188,7 @@ TEST_F(Ends, AStrangerWithoutTheKeyMovesNothing) {
 TEST_F(Ends, WhatHasBeenListenedToIsOfNoUse) {
   begin(kKey);
   PacketSeal friendly(kKey);
-  UdpPort port("to", "127.0.0.1:0");
+  UdpPort port("connect", "127.0.0.1:0");
   const auto answer = [&] {
     std::optional<UdpPort::Datagram> datagram;
     EXPECT_TRUE(until([&] { return (datagram = port.receive()).has_value(); }, nullptr));
@@ -201,7 +201,7 @@ TEST_F(Ends, WhatHasBeenListenedToIsOfNoUse) {
   const Packet kept = friendly.seal(commandOf(5, 2));
   port.send(to_, kept);
   ASSERT_TRUE(until([&] { return server_->counts().taken == 1; }, nullptr));
-  UdpPort thief("to", "127.0.0.1:0");
+  UdpPort thief("connect", "127.0.0.1:0");
   thief.send(to_, kept);
   ASSERT_TRUE(until([&] { return server_->counts().replayed == 1; }, nullptr)) << "in the same connection";
   port.send(to_, friendly.seal(commandOf(6, 1)));
@@ -233,7 +233,7 @@ TEST_F(Ends, ARobotThatIsStartedAgainIsLedAgain) {
 
 TEST_F(Ends, WithoutAKeyTheFirstIsHeardUntilItFallsSilent) {
   begin("");
-  UdpPort first("to", "127.0.0.1:0"), second("to", "127.0.0.1:0");
+  UdpPort first("connect", "127.0.0.1:0"), second("connect", "127.0.0.1:0");
   first.send(to_, commandOf(5, 1));
   ASSERT_TRUE(until([&] { return server_->counts().taken == 1; }, nullptr));
   second.send(to_, commandOf(6, 1));
@@ -249,7 +249,7 @@ TEST_F(Ends, WithoutAKeyTheFirstIsHeardUntilItFallsSilent) {
 
 TEST_F(Ends, RubbishIsCountedAndDropped) {
   begin("");
-  UdpPort port("to", "127.0.0.1:0");
+  UdpPort port("connect", "127.0.0.1:0");
   for (const std::size_t size : {0U, 1U, 31U, 96U, 2000U}) {
     port.send(to_, Packet(size, 0x48));
   }
@@ -296,7 +296,7 @@ TEST_P(PythonsRobot, FollowsAnOperatorAndTellsTheForceOfItsGround) {
   std::ofstream(key_file) << kKey << '\n';
   std::string to;
   {
-    UdpPort free("to", "127.0.0.1:0");
+    UdpPort free("connect", "127.0.0.1:0");
     to = "127.0.0.1:" + std::to_string(free.port());
   }
   std::vector<std::string> arguments{

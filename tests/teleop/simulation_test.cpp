@@ -274,13 +274,13 @@ TEST(TeleopSimulation, WhoFeelsNothingGoesByWhatTheRobotMet) {
 TEST(TeleopSimulation, AHandThatLetsGoStopsTheRobotAndIsGivenNothing) {
   TeleopSetup setup = smallSetup(0.4);
   setup.duration_s = 8;
-  setup.lets_go_s = 2.6;  // in the soil
+  setup.release_s = 2.6;  // in the soil
   const TeleopResult result = simulateTeleop(setup);
   EXPECT_EQ(result.last_stop, StopReason::kReleased);
   EXPECT_GT(result.agreement.rmsMet(0, 4), 0) << "it had begun";
   EXPECT_LT(result.followed_share, 0.4);
   EXPECT_LE(result.given_j, 1e-3);
-  setup.lets_go_s = 0;  // no hand was ever there
+  setup.release_s = 0;  // no hand was ever there
   EXPECT_EQ(simulateTeleop(setup).followed_share, 0);
   setup.task = SiteTask::kPress;
   EXPECT_THROW((void)simulateTeleop(setup), InvalidParameter);

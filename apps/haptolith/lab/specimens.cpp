@@ -240,7 +240,7 @@ std::string textOf(const std::vector<Column>& columns) {
   for (const Column& column : columns) {
     width = std::max(width, column.name.size());
   }
-  std::string text = fmt::format("  {:<{}}   {:>11}   {:>11}   specimens\n", "", width, "mean", "scatter");
+  std::string text = fmt::format("  {:<{}}   {:>11}   {:>11}   specimens\n", "", width, "mean", "SD");
   for (const Column& column : columns) {
     const Scatter scatter = scatterOf(column.numbers);
     text += fmt::format("  {:<{}}   {:>11.5g}   {:>11}   {:>9}\n", column.name, width, scatter.mean,

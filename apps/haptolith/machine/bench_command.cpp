@@ -46,7 +46,7 @@ struct BenchOptions {
   BedStart start = BedStart::kPacked;
   std::optional<double> sleep_speed_m_s;
   double sleep_distance_mm = 0;
-  double seconds = 1;
+  double duration_s = 1;
   bool json = false;
   std::string figure_file;
   Overwrite overwrite;
@@ -137,7 +137,7 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
   row.made_s = 1e-9 * static_cast<double>(made_ns);
   const std::uint64_t rebuilt_before = scene.bed().listRebuilds();
   (void)scene.bed().takeListRebuildUs();  // discards those of settling
-  const auto ticks = static_cast<std::uint64_t>(options.seconds / scene.bed().parameters().tick_s);
+  const auto ticks = static_cast<std::uint64_t>(options.duration_s / scene.bed().parameters().tick_s);
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (const LoopEnd end = loop.tick(); end != LoopEnd::kRunning) {
       throw Failure(fmt::format("{}: {}", what, text(end)));
@@ -261,7 +261,7 @@ void runBench(const BenchOptions& options) {
   for (const int particles : options.particles) {
     requireInRange("particles", particles, {1, kMostParticles});
   }
-  requireInRange("seconds", options.seconds, {0.1, 3600});
+  requireInRange("duration_s", options.duration_s, {0.1, 3600});
   requireInRange("sleep-speed-m-s", options.sleep_speed_m_s.value_or(0), BedRanges::sleep_speed_m_s);
   requireInRange("sleep-distance-mm", options.sleep_distance_mm, {0, 1e3 * BedRanges::sleep_distance_m.highest});
   status.update("wake-up latency test");
@@ -289,7 +289,7 @@ void runBench(const BenchOptions& options) {
       options.scenes.empty()
           ? fmt::format("{}, motion {}", options.soil.soil, wordFor(kHandMotionWords, options.motion))
           : fmt::format("{}", fmt::join(options.scenes, ", ")),
-      instructionSetName(simdTarget()), options.seconds, late_us.percentile(0.5), late_us.percentile(0.99));
+      instructionSetName(simdTarget()), options.duration_s, late_us.percentile(0.5), late_us.percentile(0.99));
   for (const BenchRow& row : rows) {
     table += rowText(row);
   }
@@ -333,7 +333,7 @@ void addBenchCommand(CLI::App& app) {
                       "Particles slower than this can sleep, in m/s [none sleep]");
   command->add_option("--sleep-distance-mm", options->sleep_distance_mm,
                       "Largest travel of a sleeping particle, in mm [20 ms at that speed]");
-  command->add_option("--seconds", options->seconds, "Simulated time of each row in s")->capture_default_str();
+  command->add_option("--duration-s", options->duration_s, "Simulated time of each row [1]")->option_text("SECONDS");
   command->add_option("--figure", options->figure_file,
                       "Draw the time of a tick over particles to this file (.svg or .png)");
   options->overwrite.addTo(*command);

@@ -81,8 +81,7 @@ void addDevicesCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("devices", "List the available haptic devices, and why others are not available");
   command->footer(kDevicesExamples);
-  command
-      ->add_option("--device-library,--library", options->parameters.library, "Folder or file of Force Dimension's SDK")
+  command->add_option("--device-library", options->parameters.library, "Folder or file of Force Dimension's SDK")
       ->option_text("PATH");
   addJson(*command, options->json);
   command->callback([options] { listDevices(*options); });

@@ -31,14 +31,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kDoctorExamples = R"(Examples:
-  haptolith doctor                   takes about 12 seconds
-  haptolith doctor --seconds 600     find rare late wake-ups
-  haptolith doctor --cpu 3           measure the CPU that `haptolith run --cpu 3` uses
+  haptolith doctor                      takes about 12 seconds
+  haptolith doctor --duration-s 600     find rare late wake-ups
+  haptolith doctor --cpu 3              measure the CPU that `haptolith run --cpu 3` uses
 
 Exit status: 0 the loop can run in real time, 1 a requirement is not met.)";
 
 struct DoctorOptions {
-  double seconds = 10;
+  double duration_s = 10;
   int cpu = kAnyCpu;
   bool json = false;
 };
@@ -187,10 +187,10 @@ Json reportJson(const std::vector<Check>& checks, const WakeUps& measured, const
 
 WakeUps measure(const DoctorOptions& options) {
   StatusLine status;
-  return measureWakeUps({.cpu = options.cpu}, options.seconds, stopAsked(), [&](double elapsed_s, double latest_us) {
+  return measureWakeUps({.cpu = options.cpu}, options.duration_s, stopAsked(), [&](double elapsed_s, double latest_us) {
     if (status.visible()) {
       status.update(fmt::format("wake-up latency test: {:.1f} of {:g} s, latest wake-up {:.0f} us (Ctrl-C ends it)",
-                                elapsed_s, options.seconds, latest_us));
+                                elapsed_s, options.duration_s, latest_us));
     }
   });
 }
@@ -222,7 +222,7 @@ std::optional<FinestSoil> finestSoil(const DoctorOptions& options) {
 
 void doctor(const DoctorOptions& options) {
   const StopOnSignal stop_on_signal;
-  requireInRange("seconds", options.seconds, {0.1, 1e6});
+  requireInRange("duration_s", options.duration_s, {0.1, 1e6});
   const WakeUps measured = measure(options);
   const std::vector<Check> checks = realTimeChecks(measured);
   const std::optional<FinestSoil> soil = finestSoil(options);
@@ -242,7 +242,7 @@ void addDoctorCommand(CLI::App& app) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand("doctor", "Check whether this machine can run the loop in real time");
   command->footer(kDoctorExamples);
-  command->add_option("--seconds", options->seconds, "Duration of the wake-up latency test [10]")
+  command->add_option("--duration-s", options->duration_s, "Duration of the wake-up latency test [10]")
       ->option_text("SECONDS");
   command->add_option("--cpu", options->cpu, "CPU to measure on [any]")->option_text("N");
   addJson(*command, options->json);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/files/atomic_folder.h"
 #include "haptolith/core/pluralise.h"
+#include "haptolith/lammps/lammps_law.h"
 #include "haptolith/recording/export_pictures.h"
 #include "haptolith/recording/recorded_pictures.h"
 #include "haptolith/recording/recording_reader.h"
@@ -55,7 +57,7 @@ struct ExportOptions {
   bool no_replay = false;
   std::vector<std::string> overrides;
   double from_s = 0, duration_s = 1;
-  bool own_law = false;
+  LammpsLaw pair_style = LammpsLaw::kStandard;
   Overwrite overwrite;
 };
 
@@ -187,7 +189,7 @@ void exportRecording(const ExportOptions& options) {
   }
   if (options.format == "lammps") {
     return exportLammps(
-        {options.file, options.overrides, options.out, options.from_s, options.duration_s, options.own_law});
+        {options.file, options.overrides, options.out, options.from_s, options.duration_s, options.pair_style});
   }
   const RecordingReader recording(options.file);
   if (options.format == "csv") {
@@ -235,11 +237,17 @@ void addExportCommand(CLI::App& app) {
   command->add_option("--from-s", options->from_s, "For lammps: start at this time of the recording")
       ->check(numberIn({0, 1e9}))
       ->option_text("SECONDS [0]");
-  command->add_option("--run-s", options->duration_s, "For lammps: duration of the run of a scene")
+  command->add_option("--duration-s", options->duration_s, "For lammps: duration of the run of a scene")
       ->check(numberIn({1e-3, 1e6}))
       ->option_text("SECONDS [1]");
-  command->add_flag("--own-law", options->own_law,
-                    "For lammps: use haptolith's contact law, for a LAMMPS built with extras/lammps");
+  const std::map<std::string, LammpsLaw> styles{{"standard", LammpsLaw::kStandard},
+                                                {"haptolith", LammpsLaw::kHaptolith}};
+  command
+      ->add_option("--pair-style", options->pair_style,
+                   "For lammps: contact law. standard: nearest law of standard LAMMPS; haptolith: exact law, for a "
+                   "LAMMPS built with extras/lammps [standard]")
+      ->transform(wordOf(styles))
+      ->option_text("standard|haptolith");
   options->overwrite.addTo(*command);
   command->callback([options] { exportRecording(*options); });
 }

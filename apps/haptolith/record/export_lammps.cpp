@@ -43,7 +43,7 @@ double stepOf(const SceneFile& scene, bool has_tool) {
 void write(const LammpsExportOptions& options, const SceneFile& scene, const Bed& bed, LammpsRun run) {
   run.title = scene.title;
   run.program = "haptolith " HAPTOLITH_VERSION;
-  run.law = options.own_law ? LammpsLaw::kOwn : LammpsLaw::kOfStyles;
+  run.law = options.pair_style;
   const LammpsFiles files = lammpsFiles(bed, run);
   const AtomicFolder folder(folderFor(options));
   folder.write("bed.data", files.data);
@@ -59,15 +59,17 @@ void write(const LammpsExportOptions& options, const SceneFile& scene, const Bed
   if (!files.law.exact) {
     spdlog::warn(
         "LAMMPS has no style for the contact law of this soil: in.haptolith uses the nearest style and lists the "
-        "differences; --own-law writes the exact law, for a LAMMPS built with extras/lammps; without cohesion, and "
-        "with soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS supports",
+        "differences; --pair-style haptolith writes the exact law, for a LAMMPS built with extras/lammps; without "
+        "cohesion, and with soil.gamma_nm = {:.4g}, contacts are springs, which LAMMPS supports",
         (1 - 3e-4) * linearGamma(scene.bed.soil));  // below the limit by k also after rounding
   }
-  printText(fmt::format(
-      "  cd {} && lmp -in in.haptolith          ({})\n"
-      "  haptolith import {}/soil.lammpstrj --out dug.toml\n",
-      folder.path().string(), options.own_law ? "built with haptolith's law: extras/lammps" : "Debian's package lammps",
-      folder.path().string()));
+  printText(
+      fmt::format("  cd {} && lmp -in in.haptolith          ({})\n"
+                  "  haptolith import {}/soil.lammpstrj --out dug.toml\n",
+                  folder.path().string(),
+                  options.pair_style == LammpsLaw::kHaptolith ? "built with haptolith's law: extras/lammps"
+                                                              : "Debian's package lammps",
+                  folder.path().string()));
 }
 
 void exportScene(const LammpsExportOptions& options) {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "haptolith/lammps/lammps_law.h"
+
 namespace haptolith {
 
 struct LammpsExportOptions {
@@ -11,7 +13,7 @@ struct LammpsExportOptions {
   std::string out;                     ///< new folder; empty: named after the file
   double from_s = 0;                   ///< for a recording: time of the bed, and begin of the tool's path
   double duration_s = 1;               ///< for a scene
-  bool own_law = false;                ///< for a LAMMPS with haptolith's contact law
+  LammpsLaw pair_style = LammpsLaw::kStandard;
 };
 
 /// Writes a bed as a LAMMPS input script with its data files to a new folder. For a recording the tool follows its

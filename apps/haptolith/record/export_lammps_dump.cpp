@@ -81,7 +81,7 @@ void exportLammpsDump(const std::filesystem::path& path, const std::filesystem::
     folder.write(name, fileOf(picture).text());
     pictures.add(timeOf(picture), name);
     ++pictures_at[timeOf(picture)];
-    status.tell([&] { return pluralise(count, "picture"); });
+    status.tell([&] { return pluralise(count, "frame"); });
   });
   folder.write("particles.pvd", pictures.text());
   folder.commit();

@@ -38,7 +38,7 @@ constexpr const char* kImportExamples = R"(Examples:
 
 struct ImportOptions {
   std::string file, scene, out;
-  std::optional<std::size_t> picture;
+  std::optional<std::size_t> frame;
   Overwrite overwrite;
 };
 
@@ -82,7 +82,7 @@ void importDump(const ImportOptions& options) {
   AtomicFile scene_file(options.overwrite(out.string())), table_file(options.overwrite(table.string()));
   SceneFile scene = sceneOf(options);
   StatusLine status;
-  const LammpsPicture picture = readLammpsDump(options.file, options.picture, [&](std::size_t passed) {
+  const LammpsPicture picture = readLammpsDump(options.file, options.frame, [&](std::size_t passed) {
     status.tell([&] { return pluralise(passed, "frame") + " read"; });
     return !stopAsked();
   });
@@ -104,8 +104,8 @@ void importDump(const ImportOptions& options) {
   printText(savedText(table,
                       fmt::format("{} of frame {}, step {}", pluralise(taken, "grain"), picture.number, picture.step)));
   printText(savedText(out, "a scene of them"));
-  if (!options.picture && picture.number > 1) {
-    printText(fmt::format("  the last of {} frames; --picture N selects another\n", picture.number));
+  if (!options.frame && picture.number > 1) {
+    printText(fmt::format("  the last of {} frames; --frame N selects another\n", picture.number));
   }
   if (taken < picture.grains.size()) {
     printText(fmt::format("  {} others, of types other than {} (soil) and {} (held), are left out: a tool\n",
@@ -128,7 +128,7 @@ void addImportCommand(CLI::App& app) {
   command->add_option("--out", options->out, "New scene file; particles are written to a .csv next to it")
       ->required()
       ->option_text("FILE.toml");
-  command->add_option("--picture", options->picture, "Number of the frame in the dump, from 1 [the last]")
+  command->add_option("--frame", options->frame, "Number of the frame in the dump, from 1 [the last]")
       ->check(numberIn({1, 1e9}))
       ->option_text("N");
   options->overwrite.addTo(*command);

@@ -32,7 +32,7 @@ constexpr const char* kTeleopRos2Examples = R"(Examples:
   haptolith teleop ros2 --robot /arm --site 0.5,0,0.1,90
                                               publish /arm/target_pose; subscribe to
                                               /arm/tool_pose and /arm/wrench
-  haptolith teleop operator --to 127.0.0.1:7410
+  haptolith teleop operator --connect 127.0.0.1:7410
                                               lead the robot, in another terminal
 
   haptolith ros2 teleop-site --node-name robot

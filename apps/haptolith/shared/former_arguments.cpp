@@ -58,6 +58,7 @@ constexpr std::array kFormerOptions{
     FormerOption{"study plan", "--against", "--alternative"},
     FormerOption{"study plan", "--people", "--find-n"},
     FormerOption{"study plan", "--spread", "--between-sd"},
+    FormerOption{"study simulate", "--spread", "--between-sd"},
     FormerOption{"teleop bench", "--lets-go-s", "--release-s"},
     FormerOption{"teleop", "--to", "--connect"},
 };

@@ -110,7 +110,7 @@ const std::vector<std::pair<const char*, Names>>& optionGroups() {
         "--device-insecure"}},
       {"Link",
        {"--profile", "--round-trip-s", "--jitter-ms", "--loss", "--burst-loss", "--rate-kbit-s", "--outage",
-        "--delays-up", "--delays-down", "--to", "--listen", "--key-file", "--insecure", "--silence-s"}},
+        "--delays-up", "--delays-down", "--connect", "--list", "--listen", "--key-file", "--insecure", "--silence-s"}},
       {"Robot",
        {"--robot", "--target-topic", "--pose-topic", "--wrench-topic", "--wrench-of-tool", "--target-period-s",
         "--robot-timeout-s", "--max-force-n", "--stop-force-n", "--max-speed-m-s", "--learn", "--no-learn", "--mend",

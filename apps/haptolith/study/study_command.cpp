@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kStudyExamples = R"(Examples:
   haptolith study new friction.study --protocol icra2021-friction
   haptolith study run friction.study --trial-run
-  haptolith study figure friction.study --out friction.svg
+  haptolith study figure friction.study --figure friction.svg
 
 Run a command with --help for its options. Guide: docs/how-to/run-a-study.md)";
 
@@ -31,7 +31,7 @@ void addStudyCommand(CLI::App& app) {
   addStudySimulateCommand(*study);
   addStudyPlanCommand(*study);
   addStudyPreregisterCommand(*study);
-  addStudyExploreCommand(*study);
+  addStudyIdealObserverCommand(*study);
 }
 
 }  // namespace haptolith

@@ -15,21 +15,21 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kStudyExportExamples = R"(Examples:
-  haptolith study export friction.study --to friction.csv               one row per trial
-  haptolith study export friction.study --to friction --format bids     a folder for archives
-  haptolith study export friction.study --to all.csv --personal         with personal data)";
+  haptolith study export friction.study --out friction.csv               one row per trial
+  haptolith study export friction.study --out friction --format bids     a folder for archives
+  haptolith study export friction.study --out all.csv --personal         with personal data)";
 
 struct ExportCommandOptions {
-  std::string file, to, format = "csv";
+  std::string file, out, format = "csv";
   ExportOptions what;
 };
 
 void exportStudy(const ExportCommandOptions& options) {
   const StudyStore study(options.file, StudyStore::Access::kRead);
   if (options.format == "bids") {
-    exportBids(study, options.to, options.what);
+    exportBids(study, options.out, options.what);
   } else {
-    exportCsv(study, options.to, options.what);
+    exportCsv(study, options.out, options.what);
   }
 }
 
@@ -41,7 +41,7 @@ void addStudyExportCommand(CLI::App& study) {
   CLI::App* command = study.add_subcommand("export", "Export a study as CSV or BIDS");
   command->footer(kStudyExportExamples);
   command->add_option("file", options->file, kStudyFileHelp)->required()->option_text("FILE");
-  command->add_option("--to", options->to, "Output file; a folder for bids")
+  command->add_option("--out", options->out, "Output file; a folder for bids")
       ->required()
       ->check(outputName())
       ->option_text("PATH");

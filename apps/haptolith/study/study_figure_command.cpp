@@ -36,15 +36,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyFigureExamples = R"(Examples:
-  haptolith study figure friction.study --out friction.svg
-  haptolith study figure both.study --out figure.png     figure-friction.png and figure-gravity.png
-  haptolith study figure friction.study --json           print numbers only
+  haptolith study figure friction.study --figure friction.svg
+  haptolith study figure both.study --figure figure.png     figure-friction.png and figure-gravity.png
+  haptolith study figure friction.study --json              print numbers only
 
 With several participants, the first result is the population median from a hierarchical model.
 Models and coverage of their intervals: docs/reference/psychometrics.md)";
 
 struct FigureOptions {
-  std::string file, out, block;
+  std::string file, figure, block;
   std::optional<std::string> sigmoid;
   bool fixed_threshold = false, pooled = false, json = false, withdrawn = false;
   double confidence = 0.95;
@@ -110,7 +110,7 @@ std::optional<BlockResult> resultOf(const FigureOptions& options, const StudySto
 
 /// Returns "figure.svg", or "figure-work.svg" if there are also curves.
 OutputFile workFileFor(const FigureOptions& options, bool alone) {
-  std::filesystem::path file = options.out;
+  std::filesystem::path file = options.figure;
   if (!alone) {
     file.replace_filename(fmt::format("{}-work{}", file.stem().string(), file.extension().string()));
   }
@@ -119,7 +119,7 @@ OutputFile workFileFor(const FigureOptions& options, bool alone) {
 
 /// Returns "figure.svg", or "figure-friction.svg" for several blocks, "figure-friction-seen.svg" for a group.
 OutputFile fileFor(const FigureOptions& options, const BlockResult& result, bool several) {
-  std::filesystem::path file = options.out;
+  std::filesystem::path file = options.figure;
   if (several) {
     const std::string group = result.people == nullptr ? "" : "-" + result.people->name;
     file.replace_filename(
@@ -202,7 +202,7 @@ void show(const FigureOptions& options) {
     json["groups"].push_back({{"group", flow.group}, {"participants", flowText(flow.people, "assigned")}});
   }
   for (const BlockResult& result : results) {
-    if (!options.out.empty()) {
+    if (!options.figure.empty()) {
       draw(fileFor(options, result, results.size() > 1), options, study, result);
     }
     json["blocks"].push_back(jsonOf(result));
@@ -213,7 +213,7 @@ void show(const FigureOptions& options) {
     told += "\n" + text(difference, options.confidence);
   }
   if (!works.empty()) {
-    if (!options.out.empty()) {
+    if (!options.figure.empty()) {
       drawTeleopFigure(workFileFor(options, results.empty()), study.protocol(), works, options.confidence,
                        study.title());
     }
@@ -236,7 +236,7 @@ void addStudyFigureCommand(CLI::App& study) {
   command->footer(kStudyFigureExamples);
   command->add_option("study", options->file, kStudyFileHelp)->required()->option_text("FILE");
   command
-      ->add_option("--out", options->out,
+      ->add_option("--figure", options->figure,
                    "Draw the result (.svg or .png): one figure per block, one for all robot tasks")
       ->option_text("FILE");
   command->add_option("--block", options->block, "Block of the protocol [all]")->option_text("NAME");

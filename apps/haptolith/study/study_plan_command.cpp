@@ -34,9 +34,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyPlanExamples = R"(Examples:
   haptolith study plan --protocol icra2021-friction --weber 0.29
-  haptolith study plan --weber 0.29 --against 0.4 --participants 8,16,32 --figure power.svg
-  haptolith study plan --weber 0.29 --against 0.4 --spread 0.3 --repeats 12 --people
-  haptolith study plan --weber 0.29 --width 0.5 --repeats 12 --people)";
+  haptolith study plan --weber 0.29 --alternative 0.4 --participants 8,16,32 --figure power.svg
+  haptolith study plan --weber 0.29 --alternative 0.4 --between-sd 0.3 --repeats 12 --find-n
+  haptolith study plan --weber 0.29 --width 0.5 --repeats 12 --find-n)";
 
 constexpr int kFigureWidth_px = 1100;
 constexpr int kFigureHeight_px = 460;
@@ -78,7 +78,7 @@ std::string tableText(const PlanOptions& options, const StudyBlock& block, const
       "intervals of the fractions.\n\nparticipants  repeats  responses estimates: median, 95 % range   interval's "
       "width   covered",
       block.name, parameters.studies, parameters.observer.weber_fraction);
-  table += parameters.against ? fmt::format("        distinguished from {:g}", *parameters.against) : "";
+  table += parameters.alternative ? fmt::format("        distinguished from {:g}", *parameters.alternative) : "";
   table += parameters.width ? fmt::format("            width <= {:g}", *parameters.width) : "";
   table += "\n";
   for (const PlanOutcome& outcome : outcomes) {
@@ -125,8 +125,8 @@ Json jsonOf(const PlanOptions& options, const StudyBlock& block, const std::vect
   return {{"block", block.name},
           {"studies", options.parameters.studies},
           {"weber_fraction", options.parameters.observer.weber_fraction},
-          {"spread", options.parameters.spread},
-          {"against", json_or_null(options.parameters.against)},
+          {"between_sd", options.parameters.between_sd},
+          {"alternative", json_or_null(options.parameters.alternative)},
           {"width", json_or_null(options.parameters.width)},
           {"sizes", std::move(rows)}};
 }
@@ -134,7 +134,7 @@ Json jsonOf(const PlanOptions& options, const StudyBlock& block, const std::vect
 /// Draws the power of a study over the number of participants; one curve per number of repeats.
 void draw(const PlanOptions& options, const std::vector<PlanOutcome>& outcomes) {
   Figure figure(options.overwrite(options.figure), kFigureWidth_px, kFigureHeight_px);
-  const bool power = options.parameters.against.has_value();
+  const bool power = options.parameters.alternative.has_value();
   std::string plots, ranges;
   double shift = 1;  // bars side by side
   for (const int repeats : options.repeats) {
@@ -171,9 +171,9 @@ set title 'median and 95 % range of the estimates'
 set key bottom right
 set yrange [0:105]
 set ylabel 'studies, %'
-set title 'studies that tell it from {:g}'
+set title 'studies that distinguish it from {:g}'
 {}, 80 with lines dt 2 lc '#666666' title '80 %')",
-                               *options.parameters.against, plots));
+                               *options.parameters.alternative, plots));
   }
   figure.command("unset multiplot");
   figure.save();
@@ -237,7 +237,8 @@ void addStudyPlanCommand(CLI::App& study) {
   command->add_option("--weber", options->parameters.observer.weber_fraction, "Expected Weber fraction [0.29]")
       ->option_text("W");
   command
-      ->add_option("--against", options->parameters.against, "Alternative Weber fraction that the study should reject")
+      ->add_option("--alternative", options->parameters.alternative,
+                   "Alternative Weber fraction that the study should reject")
       ->option_text("W");
   command
       ->add_option("--width", options->parameters.width,
@@ -248,7 +249,8 @@ void addStudyPlanCommand(CLI::App& study) {
           ->delimiter(',')
           ->option_text("N,N,...");
   command
-      ->add_flag("--people", options->search, "Find the smallest sample that reaches --power for --against or --width")
+      ->add_flag("--find-n", options->search,
+                 "Find the smallest sample that reaches --power for --alternative or --width")
       ->excludes(participants);
   command->add_option("--power", options->power, "Fraction of studies that should reach the target [0.8]")
       ->check(numberIn({0.05, 0.99}))
@@ -256,7 +258,8 @@ void addStudyPlanCommand(CLI::App& study) {
   command->add_option("--repeats", options->repeats, "Numbers of trials per level [3,6,12]")
       ->delimiter(',')
       ->option_text("N,N,...");
-  command->add_option("--spread", options->parameters.spread, "Standard deviation of ln W between participants [0]");
+  command->add_option("--between-sd", options->parameters.between_sd,
+                      "Standard deviation of ln W between participants [0]");
   addLapseOptions(*command, options->parameters.observer.lapse);
   command
       ->add_option("--bias", options->parameters.observer.bias,

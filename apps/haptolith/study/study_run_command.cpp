@@ -303,11 +303,11 @@ class StudyRun {
     const LoopEnd end = session_.join();
     session_.update();
     endSession();
-    std::size_t answers = 0;
+    std::size_t responses = 0;
     for (const TrialRow& row : store_.trials()) {
-      answers += row.state == TrialState::kAnswered ? 1 : 0;
+      responses += row.state == TrialState::kAnswered ? 1 : 0;
     }
-    printText(fmt::format("{}: {} in {}\n", store_.title(), pluralise(answers, "answer"), options_.file));
+    printText(fmt::format("{}: {} in {}\n", store_.title(), pluralise(responses, "response"), options_.file));
     if (!over) {
       printText(fmt::format("{} continues with: haptolith study resume {}\n", code_, options_.file));
     }

@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kStudySimulateExamples = R"(Examples:
   haptolith study new try.study --protocol icra2021-friction
   haptolith study simulate try.study --participants 8 --weber 0.29
-  haptolith study figure try.study --out try.svg
+  haptolith study figure try.study --figure try.svg
   haptolith study simulate try.study --motion stir --judge mean-force --weber 0.1
                                      judge the force of a simulated exploration
   haptolith study simulate dig.study --participants 2
@@ -48,7 +48,7 @@ struct SimulateOptions {
   std::string file;
   int participants = 8;
   ObserverParameters observer;
-  double spread = 0;
+  double between_sd = 0;
   std::uint64_t seed = 1;
   std::optional<HandMotion> motion;
 };
@@ -88,7 +88,7 @@ std::string nameIn(const Choices& choices, const Value& value, std::string_view 
 /// Returns the text for the table of sessions: the options by name, and the Weber fraction of this participant.
 std::string simulationText(const SimulateOptions& options, const ObserverParameters& who) {
   Json json{{"weber", options.observer.weber_fraction},
-            {"spread", options.spread},
+            {"between_sd", options.between_sd},
             {"bias", who.bias},
             {"lapse", who.lapse},
             {"learning", who.learning},
@@ -138,7 +138,7 @@ void simulate(const SimulateOptions& options) {
     }
     status.tell([&] { return fmt::format("participant {} of {}", person + 1, options.participants); });
     ObserverParameters who = options.observer;
-    who.weber_fraction *= std::exp(options.spread * normal(random));
+    who.weber_fraction *= std::exp(options.between_sd * normal(random));
     SimulatedParticipant participant(who, random());
     Conductor conductor(study, *rig, {.now_s = [&participant] { return participant.now(); }});
     conductor.begin(fmt::format("{}{:03}", kSimulatedCode, before + static_cast<std::size_t>(person) + 1));
@@ -182,7 +182,7 @@ void addStudySimulateCommand(CLI::App& study) {
       ->check(wholeNumberIn({1, 10'000}));
   command->add_option("--weber", options->observer.weber_fraction, "Weber fraction of the participants [0.29]")
       ->option_text("W");
-  command->add_option("--spread", options->spread, "Standard deviation of ln W between participants [0]")
+  command->add_option("--between-sd", options->between_sd, "Standard deviation of ln W between participants [0]")
       ->check(numberIn({0.0, 5.0}));
   command->add_option("--bias", options->observer.bias, "Bias: the test is perceived as 1 + BIAS times its value [0]")
       ->option_text("BIAS");

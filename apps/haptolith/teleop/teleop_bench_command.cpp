@@ -5,16 +5,19 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/former_names.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/core/process/in_parallel.h"
 #include "haptolith/core/process/stop_asked.h"
@@ -46,9 +49,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kTeleopBenchExamples = R"(Examples:
   haptolith teleop bench                            six round trips, four cases: some minutes
-  haptolith teleop bench --round-trip-s 2.6 --case model,twin --duration-s 20
+  haptolith teleop bench --round-trip-s 2.6 --case static,oracle --duration-s 20
   haptolith teleop bench --task trench --round-trip-s 0,2.6     completion time of a task
-  haptolith teleop bench --case learning,twin --set soil.radius_mm=4 --set-site soil.radius_mm=3
+  haptolith teleop bench --case adaptive,oracle --set soil.radius_mm=4 --set-site soil.radius_mm=3
                                                     finer particles: less noise in the forces
   haptolith teleop bench --site teleop-model --set soil.radius_mm=5      model and site swapped
 
@@ -59,31 +62,33 @@ constexpr double kMillijoule = 1e-3;
 constexpr double kLast_s = 10;  ///< final part of a run, after a model has learned
 
 /// Compared cases.
-enum class Case { kModel, kProbed, kLearning, kBoth, kNone, kBilateral, kTwin };
+enum class Case { kStatic, kCalibrated, kAdaptive, kCalibratedAdaptive, kNone, kBilateral, kOracle };
 
 const char* text(Case which) {
   switch (which) {
-    case Case::kModel: return "model";
-    case Case::kProbed: return "probed";
-    case Case::kLearning: return "learning";
-    case Case::kBoth: return "both";
+    case Case::kStatic: return "static";
+    case Case::kCalibrated: return "calibrated";
+    case Case::kAdaptive: return "adaptive";
+    case Case::kCalibratedAdaptive: return "calibrated+adaptive";
     case Case::kNone: return "none";
     case Case::kBilateral: return "bilateral";
-    case Case::kTwin: return "twin";
+    case Case::kOracle: return "oracle";
   }
   return "?";
 }
 
 const std::map<std::string, Case> kCaseWords{
-    {"model", Case::kModel}, {"probed", Case::kProbed},       {"learning", Case::kLearning}, {"both", Case::kBoth},
-    {"none", Case::kNone},   {"bilateral", Case::kBilateral}, {"twin", Case::kTwin}};
+    {"static", Case::kStatic},     {"calibrated", Case::kCalibrated},
+    {"adaptive", Case::kAdaptive}, {"calibrated+adaptive", Case::kCalibratedAdaptive},
+    {"none", Case::kNone},         {"bilateral", Case::kBilateral},
+    {"oracle", Case::kOracle}};
 
-bool begins(Case which) {
-  return which == Case::kProbed || which == Case::kBoth;
+bool isCalibrated(Case which) {
+  return which == Case::kCalibrated || which == Case::kCalibratedAdaptive;
 }
 
-bool learns(Case which) {
-  return which == Case::kLearning || which == Case::kBoth;
+bool adapts(Case which) {
+  return which == Case::kAdaptive || which == Case::kCalibratedAdaptive;
 }
 
 struct TeleopBenchOptions {
@@ -93,7 +98,7 @@ struct TeleopBenchOptions {
   std::vector<double> round_trips_s{0, 0.1, 0.4, 0.85, 2.6, 5};
   LinkOptions link;
   std::optional<double> duration_given_s;
-  std::optional<double> lets_go_s;
+  std::optional<double> release_s;
   std::string task;  ///< empty: the scene's motion
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::string csv_file, figure_file;
@@ -139,9 +144,9 @@ double gravityOf(const Probed& probed) {
 TeleopSetup setupFor(const TeleopBenchOptions& options, double round_trip_s, Case which,
                      const std::optional<Probed>& probed) {
   TeleopSetup setup;
-  setup.model = begins(which) ? probed->model : findSceneFile(options.model, options.model_overrides);
+  setup.model = isCalibrated(which) ? probed->model : findSceneFile(options.model, options.model_overrides);
   setup.site = findSceneFile(options.site, options.site_overrides);
-  if (which == Case::kTwin) {
+  if (which == Case::kOracle) {
     setup.model.bed = setup.site.bed;
     setup.model.tool = setup.site.tool;
     ++setup.model.bed.seed;
@@ -156,15 +161,15 @@ TeleopSetup setupFor(const TeleopBenchOptions& options, double round_trip_s, Cas
                    : which == Case::kNone    ? Feedback::kNone
                                              : Feedback::kModel;
   setup.duration_s = options.duration();
-  setup.lets_go_s = options.lets_go_s;
+  setup.release_s = options.release_s;
   if (!options.task.empty()) {
     setup.task = valueOf(kSiteTaskWords, options.task);
   }
-  if (learns(which)) {
+  if (adapts(which)) {
     setup.model = readyToLearn(setup.model);
     setup.learns.emplace(probeTraining().runs);
   }
-  setup.mends = options.mends.value_or(learns(which)) && setup.feedback == Feedback::kModel && canMend(setup.model.bed);
+  setup.mends = options.mends.value_or(adapts(which)) && setup.feedback == Feedback::kModel && canMend(setup.model.bed);
   return setup;
 }
 
@@ -202,12 +207,22 @@ std::string percentText(double share) {
   return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100 * share);
 }
 
-std::string rowText(const Row& row) {
+/// Returns the width of the column with the case.
+std::size_t caseWidth(const std::vector<Row>& rows) {
+  std::size_t width = 10;
+  for (const Row& row : rows) {
+    width = std::max(width, std::string_view(text(row.which)).size());
+  }
+  return width;
+}
+
+/// @param width  width of the column with the case
+std::string rowText(const Row& row, std::size_t width) {
   const TeleopResult& result = row.result;
   const double duration_s = result.duration_s;
   return fmt::format(
-      "{:8.2f}  {:10} {:>7} {:>9} {:8.2f} {:8.3f} {:8.3f} {:8.2f} {:8.2f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
-      row.round_trip_s, text(row.which), percentText(result.agreement.share(0, duration_s)),
+      "{:8.2f}  {:{}} {:>7} {:>9} {:8.2f} {:8.3f} {:8.3f} {:8.2f} {:8.2f} {:9.4f} {:8.2f} {:8.1f} {:6}\n",
+      row.round_trip_s, text(row.which), width, percentText(result.agreement.share(0, duration_s)),
       percentText(result.agreement.share(duration_s - kLast_s, duration_s)), result.agreement.rmsMet(0, duration_s),
       result.free_m / kBenchMm, result.soil_m / kBenchMm, result.known_surface_m / kBenchMm,
       result.apart_surface_m / kBenchMm, result.given_j / kMillijoule, result.behind_s, 100 * result.followed_share,
@@ -260,11 +275,11 @@ std::vector<std::string> casesOf(const TeleopBenchOptions& options) {
   if (!options.cases.empty()) {
     return options.cases;
   }
-  std::vector<std::string> cases{"model", "twin"};
+  std::vector<std::string> cases{"static", "oracle"};
   if (canLearn(findSceneFile(options.model, options.model_overrides))) {
-    cases.insert(cases.begin() + 1, "learning");
+    cases.insert(cases.begin() + 1, "adaptive");
   }
-  if (!options.lets_go_s) {
+  if (!options.release_s) {
     cases.insert(cases.end() - 1, "bilateral");
   }
   return cases;
@@ -276,7 +291,7 @@ std::vector<Row> rowsFor(const TeleopBenchOptions& options) {
   for (const double round_trip_s : options.round_trips_s) {
     for (const std::string& word : cases) {
       const Case which = kCaseWords.at(word);
-      const bool delay_counts = which != Case::kTwin || options.mends.value_or(false);  // delay of the height map
+      const bool delay_counts = which != Case::kOracle || options.mends.value_or(false);  // delay of the height map
       if (delay_counts || round_trip_s == options.round_trips_s.front()) {
         rows.push_back({round_trip_s, which});
       }
@@ -320,13 +335,15 @@ void show(const TeleopBenchOptions& options, const std::vector<Row>& rows, const
       probed ? fmt::format("the robot's probe, {} of {} windows match:\n{}\n", probed->soil.windows,
                            probed->soil.of_windows, beliefText(probed->soil.belief, {}, gravityOf(*probed)))
              : "";
-  table +=
-      "round               force error, %       remote  tracking, mm      surface, mm    energy   behind  follows\n";
-  table +=
-      "trip, s   case       total  last 10 s   RMS, N   in air  in soil   known    apart        mJ        s        %  "
-      "stops\n";
+  const std::size_t width = caseWidth(rows);
+  table += fmt::format("{:{}}force error, %       remote  tracking, mm      surface, mm    energy   behind  follows\n",
+                       "round", width + 10);
+  table += fmt::format(
+      "trip, s   {:{}} total  last 10 s   RMS, N   in air  in soil   known    apart        mJ        s        %  "
+      "stops\n",
+      "case", width);
   for (const Row& row : rows) {
-    table += rowText(row);
+    table += rowText(row, width);
   }
   for (const Row& row : rows) {
     table += taskText(row, options) + learnedText(row);
@@ -345,11 +362,11 @@ void runTeleopBench(const TeleopBenchOptions& options) {
   }
   std::vector<Row> rows = rowsFor(options);
   const bool feels_robot = std::ranges::any_of(rows, [](const Row& row) { return row.which == Case::kBilateral; });
-  if (options.lets_go_s && (feels_robot || !options.task.empty())) {
-    throw InvalidParameter("--lets-go-s", fmt::format("{:g}", *options.lets_go_s),
+  if (options.release_s && (feels_robot || !options.task.empty())) {
+    throw InvalidParameter("--release-s", fmt::format("{:g}", *options.release_s),
                            "left out with --task and with --case bilateral");
   }
-  const bool probes = std::ranges::any_of(rows, [](const Row& row) { return begins(row.which); });
+  const bool probes = std::ranges::any_of(rows, [](const Row& row) { return isCalibrated(row.which); });
   const std::optional<Probed> probed = probes ? std::optional(probe(options, status)) : std::nullopt;
   Progress all(status);
   all.expect(static_cast<double>(rows.size()) * options.duration() * kThreadSecondsPerSecond, options.threads);
@@ -398,26 +415,29 @@ void addTeleopBench(CLI::App& teleop) {
       ->check(numberIn({0, 2 * LinkRanges::delay_s.highest}));
   command
       ->add_option("--profile", options->link.profile,
-                   "Link profile with jitter, loss and rate (haptolith teleop profiles)")
+                   "Link profile with jitter, loss and rate (haptolith teleop link --list)")
       ->option_text("NAME [lan]");
   options->link.addTo(*command);
   command
-      ->add_option("--case", options->cases,
-                   "Cases to compare. model: static model of the soil; probed: model calibrated by the robot's probe; "
-                   "learning: model adapted to the robot's forces; both: probed, then learning; none: no force; "
-                   "bilateral: delayed measured force; twin: model with the robot's soil, another realisation")
-      ->option_text("CASE,... [model,learning,bilateral,twin]")
+      ->add_option(
+          "--case", options->cases,
+          "Cases to compare. static: model of the soil that does not change; calibrated: model calibrated by the "
+          "robot's probe; adaptive: model adapted to the robot's forces; calibrated+adaptive: calibrated, "
+          "then adapted; none: no force; bilateral: delayed measured force; oracle: model with the robot's "
+          "soil, another realisation")
+      ->option_text("CASE,... [static,adaptive,bilateral,oracle]")
       ->delimiter(',')
-      ->check(oneOf({"model", "probed", "learning", "both", "none", "bilateral", "twin"}));
+      ->transform([](const std::string& word) { return std::string(currentNameTold(NameKind::kTeleopCase, word)); }, "")
+      ->check(oneOf({"static", "calibrated", "adaptive", "calibrated+adaptive", "none", "bilateral", "oracle"}));
   command
       ->add_option("--task", options->task,
                    "Task that ends the run. trench: dig 40 mm deep; press: press the tool's face on the soil with 8 N; "
                    "scoop: lift 0.1 N of soil")
       ->option_text("trench|press|scoop [the scene's motion]")
       ->check(oneOf({"trench", "press", "scoop"}));
-  command->add_option("--lets-go-s", options->lets_go_s, "Time at which the hand releases the tool; only with a model")
+  command->add_option("--release-s", options->release_s, "Time at which the hand releases the tool; only with a model")
       ->option_text("SECONDS [never]")
-      ->check(numberIn(TeleopRanges::lets_go_s));
+      ->check(numberIn(TeleopRanges::release_s));
   command->add_option("--duration-s", options->duration_given_s, "Simulated time of each run; the maximum with a task")
       ->option_text("SECONDS [40; with a task 180]")
       ->check(numberIn(TeleopRanges::duration_s));

@@ -31,16 +31,19 @@ constexpr double kLinkKbit = 1e3;
 constexpr double kLook_s = 0.1;
 
 constexpr const char* kTeleopLinkExamples = R"(Examples:
-  haptolith teleop link --profile earth-moon --to 127.0.0.1:9050
+  haptolith teleop link --list
+                              list the profiles
+  haptolith teleop link --profile earth-moon --connect 127.0.0.1:9050
                               forward from 127.0.0.1:7400 to port 9050 with 1.3 s delay each way
-  haptolith teleop link --round-trip-s 1 --jitter-ms 50 --loss 0.1 --to 127.0.0.1:9050
-  haptolith teleop link --profile lan --outage 20,10 --to 127.0.0.1:9050    outage of 10 s
-  haptolith teleop profiles                                                 list the profiles)";
+  haptolith teleop link --round-trip-s 1 --jitter-ms 50 --loss 0.1 --connect 127.0.0.1:9050
+  haptolith teleop link --profile lan --outage 20,10 --connect 127.0.0.1:9050
+                              outage of 10 s)";
 
 struct RelayOptions {
   UdpRelayOptions relay;
   LinkOptions link;
   std::optional<double> duration_s;
+  bool lists = false;  ///< whether the profiles are listed
   bool json = false;
 };
 
@@ -123,10 +126,13 @@ void addLink(CLI::App& teleop) {
   CLI::App* command =
       teleop.add_subcommand("link", "Relay UDP packets between two programs with delay, jitter and loss");
   command->footer(kTeleopLinkExamples);
-  command->add_option("--to", options->relay.to, "Address of the robot")->option_text("HOST:PORT")->required();
+  CLI::Option* connect =
+      command->add_option("--connect", options->relay.to, "Address of the robot; required unless with --list")
+          ->option_text("HOST:PORT");
+  command->add_flag("--list", options->lists, "List the link profiles and exit")->excludes(connect);
   command->add_option("--listen", options->relay.listen, "Address to listen on for the operator")
       ->option_text("HOST:PORT [127.0.0.1:7400]");
-  command->add_option("--profile", options->link.profile, "Link profile (haptolith teleop profiles)")
+  command->add_option("--profile", options->link.profile, "Link profile (haptolith teleop link --list)")
       ->option_text("NAME [lan]");
   command
       ->add_option("--round-trip-s", options->link.round_trip_s,
@@ -138,7 +144,15 @@ void addLink(CLI::App& teleop) {
       ->option_text("SECONDS")
       ->check(numberIn({0, LinkRanges::time_s.highest}));
   addJson(*command, options->json);
-  command->callback([options] { runLink(*options); });
+  command->callback([options] {
+    if (options->lists) {
+      listProfiles(options->json);
+    } else if (options->relay.to.empty()) {
+      throw CLI::RequiredError("--connect or --list");
+    } else {
+      runLink(*options);
+    }
+  });
 }
 
 }  // namespace
@@ -147,19 +161,14 @@ void addTeleopCommand(CLI::App& app) {
   CLI::App* teleop = app.add_subcommand("teleop", kTeleopDescription);
   teleop->require_subcommand(1);
   teleop->footer(
-      "Examples, each in a separate terminal:\n  haptolith teleop remote\n  haptolith teleop link --profile earth-moon "
-      "--to 127.0.0.1:7410\n  haptolith teleop operator --to 127.0.0.1:7400\nRun a command with --help for its "
-      "options. Guide: docs/how-to/teleoperate.md");
+      "Examples, each in a separate terminal:\n  haptolith teleop robot\n  haptolith teleop link --profile earth-moon "
+      "--connect 127.0.0.1:7410\n  haptolith teleop operator --connect 127.0.0.1:7400\nRun a command with --help for "
+      "its options. Guide: docs/how-to/teleoperate.md");
   addLink(*teleop);
-  addTeleopRemote(*teleop);
+  addTeleopRobot(*teleop);
   addTeleopRos2(*teleop);
   addTeleopOperator(*teleop);
   addTeleopBench(*teleop);
-  auto json = std::make_shared<bool>(false);
-  CLI::App* profiles = teleop->add_subcommand("profiles", "List the link profiles");
-  profiles->footer("Example:\n  haptolith teleop profiles");
-  addJson(*profiles, *json);
-  profiles->callback([json] { listProfiles(*json); });
 }
 
 }  // namespace haptolith

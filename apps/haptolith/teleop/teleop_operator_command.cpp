@@ -16,9 +16,9 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kOperatorExamples = R"(Examples:
-  haptolith teleop remote                                    a simulated robot, in another terminal
-  haptolith teleop operator --to 127.0.0.1:7410              control it, in scene teleop-model
-  haptolith teleop operator --to 127.0.0.1:7400 regolith     over haptolith teleop link)";
+  haptolith teleop robot                                         simulate a robot, in another terminal
+  haptolith teleop operator --connect 127.0.0.1:7410             control it, in scene teleop-model
+  haptolith teleop operator --connect 127.0.0.1:7400 regolith    over haptolith teleop link)";
 
 struct OperatorOptions {
   std::string robot;  ///< HOST:PORT
@@ -62,7 +62,7 @@ void addTeleopOperator(CLI::App& teleop) {
   auto options = std::make_shared<OperatorOptions>();
   CLI::App* command = teleop.add_subcommand("operator", "Run a scene, and control a robot that follows the tool");
   command->footer(kOperatorExamples);
-  command->add_option("--to", options->robot, "Address of the robot")->option_text("HOST:PORT")->required();
+  command->add_option("--connect", options->robot, "Address of the robot")->option_text("HOST:PORT")->required();
   options->end.addTo(*command);
   CLI::Option* learn = command->add_flag_callback(
       "--learn", [options] { options->learns = true; }, "Adapt the soil to the robot's forces [with contact friction]");

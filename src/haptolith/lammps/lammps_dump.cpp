@@ -302,7 +302,7 @@ void sortById(const std::filesystem::path& path, LammpsPicture& picture) {
   std::ranges::sort(picture.grains, {}, &DumpedGrain::id);
   const auto twice = std::ranges::adjacent_find(picture.grains, {}, &DumpedGrain::id);
   if (twice != picture.grains.end()) {
-    throw InvalidParameter(fmt::format("{}: picture {} (step {})", path.string(), picture.number, picture.step),
+    throw InvalidParameter(fmt::format("{}: frame {} (step {})", path.string(), picture.number, picture.step),
                            fmt::format("with id {} twice", twice->id), "with each grain once");
   }
 }
@@ -319,13 +319,13 @@ LammpsPicture readLammpsDump(const std::filesystem::path& path, std::optional<st
     }
   }
   if (picture.number == 0 || (number && picture.number != *number)) {
-    const std::string whole = fmt::format("has {} whole pictures", picture.number);
-    throw InvalidParameter(
-        path.string(), whole,
-        number ? fmt::format("at least {}", *number) : "a dump of LAMMPS with at least one; its last line has to end");
+    const std::string whole = fmt::format("has {} complete frames", picture.number);
+    throw InvalidParameter(path.string(), whole,
+                           number ? fmt::format("at least {}", *number)
+                                  : "a dump of LAMMPS with at least one; its last line must be complete");
   }
   if (picture.grains.empty()) {
-    throw InvalidParameter(fmt::format("{}: picture {} (step {})", path.string(), picture.number, picture.step),
+    throw InvalidParameter(fmt::format("{}: frame {} (step {})", path.string(), picture.number, picture.step),
                            "without a grain", "one with grains");
   }
   sortById(path, picture);
@@ -340,7 +340,7 @@ void forEachLammpsPicture(const std::filesystem::path& path, const std::function
     visit(picture);
   }
   if (picture.number == 0) {
-    throw InvalidParameter(path.string(), "has 0 whole pictures", "a dump of LAMMPS with at least one");
+    throw InvalidParameter(path.string(), "has 0 complete frames", "a dump of LAMMPS with at least one");
   }
 }
 

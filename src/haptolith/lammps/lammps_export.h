@@ -18,7 +18,7 @@ struct LammpsRun {
   double dt_s = 0;            ///< duration of a step
   double duration_s = 0;      ///< without a tool; otherwise its path determines it
   double dump_every_s = 0.1;  ///< from picture to picture
-  LammpsLaw law = LammpsLaw::kOfStyles;
+  LammpsLaw law = LammpsLaw::kStandard;
   const ToolParameters* tool = nullptr;
   /// scene_T_tool, at least two in order of time; between two of them the tool moves at constant speed, along a line
   /// and about an axis.

@@ -177,7 +177,7 @@ GranularLaw granularLaw(const Bed& bed, LammpsLaw whose) {
   const SoilParameters& soil = parameters.soil;
   requireExportable(parameters);
   GranularLaw law;
-  if (whose == LammpsLaw::kOwn) {
+  if (whose == LammpsLaw::kHaptolith) {
     law.own = ownContact(bed);
     law.larger_m = law.own->reach_m / 2;
     return law;

@@ -39,8 +39,8 @@ struct OwnContact {
   [[nodiscard]] std::string text(double ratio = 1) const;
 };
 
-/// Whose law a bed has in LAMMPS: that of LAMMPS' own styles, or haptolith's (OwnContact).
-enum class LammpsLaw { kOfStyles, kOwn };
+/// Contact law of a bed in LAMMPS: the nearest of standard LAMMPS, or haptolith's (OwnContact).
+enum class LammpsLaw { kStandard, kHaptolith };
 
 /// The contacts of a bed for LAMMPS.
 ///
@@ -50,7 +50,7 @@ enum class LammpsLaw { kOfStyles, kOwn };
 /// (restForce()), which therefore is (paper 7)'s, with the pull across gaps. A table knows distances and not radii, so
 /// grains are then of a few sizes (SizeBins). Walls are springs that do not cohere.
 ///
-/// With LammpsLaw::kOwn all of it is as here, whatever the soil.
+/// With LammpsLaw::kHaptolith all of it is as here, whatever the soil.
 struct GranularLaw {
   GranularContact grains, wall;        ///< the wall is a grain's mirror image, as in haptolith
   std::optional<OwnContact> own = {};  ///< instead of both
@@ -66,7 +66,7 @@ struct GranularLaw {
 
 /// @throws InvalidParameter for soil that no style of LAMMPS comes near: ICRA 2021 friction, grains of several
 /// sizes by classes, stones, which turn.
-[[nodiscard]] GranularLaw granularLaw(const Bed& bed, LammpsLaw whose = LammpsLaw::kOfStyles);
+[[nodiscard]] GranularLaw granularLaw(const Bed& bed, LammpsLaw whose = LammpsLaw::kStandard);
 
 /// Contribution of the table to the granular part, in N, for two particles whose radii add up to 2 R + `more_m`.
 [[nodiscard]] double restForce(const GranularLaw& law, const ContactLaw& contact, double more_m, double distance_m);

@@ -109,10 +109,10 @@ std::optional<Level> countsOf(Table& table, Table::Column x, Table::Column k, Ta
   }
   const Level level{table.number(x), table.number(k), table.number(n)};
   if (level.n < 0 || level.n != std::floor(level.n)) {
-    table.refuse(n, "a whole number of answers, 0 or more");
+    table.refuse(n, "a whole number of responses, 0 or more");
   }
   if (level.k < 0 || level.k > level.n || level.k != std::floor(level.k)) {
-    table.refuse(k, fmt::format("a whole number of positive answers, 0 to n = {}", level.n));
+    table.refuse(k, fmt::format("a whole number of positive responses, 0 to n = {}", level.n));
   }
   return level;
 }

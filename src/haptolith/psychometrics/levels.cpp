@@ -21,7 +21,7 @@ void requireCounts(const Level& level) {
   requireInRange("k of a level", level.k, {0, level.n});
   for (const double count : {level.k, level.n}) {
     if (count != std::floor(count)) {
-      throw InvalidParameter("answers of a level", fmt::format("{}", count), "a whole number");
+      throw InvalidParameter("responses of a level", fmt::format("{}", count), "a whole number");
     }
   }
 }
@@ -48,7 +48,7 @@ std::vector<Level> pooled(std::span<const Level> levels) {
     }
   }
   for (const Level& level : result) {
-    requireInRange(fmt::format("answers to the stimulus {:g}", level.x), level.n, {0, kMostAnswers});
+    requireInRange(fmt::format("responses to the stimulus {:g}", level.x), level.n, {0, kMostAnswers});
   }
   return result;
 }

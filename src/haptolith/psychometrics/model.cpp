@@ -71,7 +71,7 @@ Model::Model(std::span<const Level> levels, const FitOptions& options)
 
 void Model::setAxis() {
   if (levels_.empty()) {
-    throw InvalidParameter("levels", "none with an answer", "one or more");
+    throw InvalidParameter("levels", "none with a response", "one or more");
   }
   const Range logarithmic{kLeastStimulus, kMostStimulus};
   std::vector<double> places;
@@ -95,7 +95,7 @@ void Model::setAxis() {
     }
   }
   if (last_ == first_) {
-    throw InvalidParameter("levels", fmt::format("all answers at x = {}", levels_.front().x),
+    throw InvalidParameter("levels", fmt::format("all responses at x = {}", levels_.front().x),
                            "two or more stimuli, or one in addition to the fixed threshold");
   }
   if (last_ - first_ < kLeastStimulus) {

@@ -20,7 +20,7 @@ struct FigureCurve {
 struct PsychometricFigure {
   std::string title = {};
   std::string x_label = {};  ///< label with its unit: "gravity / (m/s²)"
-  std::string y_label = "share of answers \"more\"";
+  std::string y_label = "fraction of responses \"more\"";
   bool log_axis = false;                            ///< axis of the drawing; independent of the fits' axes
   std::optional<double> reference = std::nullopt;   ///< stimulus marked by a vertical line
   std::optional<FigureCurve> group = std::nullopt;  ///< bold curve, with band, threshold and JND

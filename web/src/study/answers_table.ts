@@ -7,14 +7,14 @@ export class AnswersTable {
   readonly element: HTMLElement;
   private readonly heads = h('tr', {});
   private readonly rows = h('tbody', {});
-  private readonly nothing = h('p', { class: 'nothing' }, 'No answers yet.');
+  private readonly nothing = h('p', { class: 'nothing' }, 'No responses yet.');
   private shown = '';
 
   constructor() {
     this.element = h(
       'section',
-      { class: 'card answers-card', 'aria-label': 'Answers so far' },
-      h('h2', {}, 'Answers'),
+      { class: 'card answers-card', 'aria-label': 'Responses so far' },
+      h('h2', {}, 'Responses'),
       h(
         'div',
         { class: 'scroller', tabindex: '0' },

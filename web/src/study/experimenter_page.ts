@@ -296,7 +296,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     askFirst(
       {
         title: 'Show the stimuli?',
-        text: 'This page then shows the stimuli, the correct answers and the group of the participant. You could disclose them without noticing. The study stores a note that you unblinded the page.',
+        text: 'This page then shows the stimuli, the correct responses and the group of the participant. You could disclose them without noticing. The study stores a note that you unblinded the page.',
         stay: 'Stay blinded',
         go_on: 'Unblind',
       },
@@ -306,7 +306,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
 
   /** Changes the blinding only after it has been recorded in the study. */
   function setBlinded(blinded: boolean): void {
-    const text = blinded ? 'blinded again' : 'unblinded: the experimenter sees stimuli, right answers and curves';
+    const text = blinded ? 'blinded again' : 'unblinded: the experimenter sees stimuli, correct responses and curves';
     ask({ do: 'study', act: 'note', text }).then(
       () => {
         now.blinded = blinded;
@@ -326,7 +326,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     askFirst(
       {
         title: 'Repeat a trial',
-        text: 'The running trial is repeated; between trials, the last answered one. Its answer is kept and marked as repeated, with your reason.',
+        text: 'The running trial is repeated; between trials, the last answered one. Its response is kept and marked as repeated, with your reason.',
         input,
         suggestions: REASONS,
         choice: h('label', { class: 'check' }, last, ' Repeat the last answered trial instead of the running one'),
@@ -341,7 +341,7 @@ export function openExperimenterPage(settings: Settings, program: Program): void
     askFirst(
       {
         title: `End for today?`,
-        text: 'This ends the session for today. All answers are kept, and the study can be resumed later.',
+        text: 'This ends the session for today. All responses are kept, and the study can be resumed later.',
         stay: 'Cancel',
         go_on: 'End for today',
       },

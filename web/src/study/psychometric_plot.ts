@@ -114,7 +114,7 @@ function pointOf(
 
 function describe({ name, levels, threshold }: BlockResult): string {
   const points = levels.filter(({ n }) => n > 0).map(({ x, k, n }) => `at ${x}: ${k} of ${n}`);
-  return `${name}: ${points.join(', ') || 'no answers yet'}` + (threshold === null ? '' : `; threshold ${threshold}`);
+  return `${name}: ${points.join(', ') || 'no responses yet'}` + (threshold === null ? '' : `; threshold ${threshold}`);
 }
 
 function s<K extends keyof SVGElementTagNameMap>(tag: K, attributes: Record<string, string | number>) {

@@ -54,6 +54,6 @@ export class ResultsPanel {
 
 function factsOf({ threshold, weber_fraction, levels }: BlockResult): string {
   const answers = levels.reduce((sum, { n }) => sum + n, 0);
-  if (threshold === null) return answers === 0 ? 'no answers yet' : 'too few answers for a curve';
+  if (threshold === null) return answers === 0 ? 'no responses yet' : 'too few responses for a curve';
   return `PSE ${number(threshold)}` + (weber_fraction === null ? '' : ` · Weber fraction ${number(weber_fraction)}`);
 }

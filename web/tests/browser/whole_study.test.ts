@@ -69,7 +69,7 @@ interface Row {
 
 function rows(): Row[] {
   const file = join(folder, 'answers.csv');
-  tell('export', study(), '--to', file, '--overwrite');
+  tell('export', study(), '--out', file, '--overwrite');
   const [head, ...lines] = readFileSync(file, 'utf8').trim().split('\n');
   const columns = head!.split(',');
   return lines.map((line) => {

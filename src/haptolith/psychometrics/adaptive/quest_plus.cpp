@@ -183,7 +183,7 @@ std::optional<double> QuestPlus::next() const {
 void QuestPlus::answer(double x, bool positive) {
   const auto found = std::ranges::find(levels_, x);
   if (found == levels_.end()) {
-    throw InvalidParameter("level of an answer", fmt::format("{}", x), "a level of QUEST+");
+    throw InvalidParameter("level of a response", fmt::format("{}", x), "a level of QUEST+");
   }
   const std::vector<double>& row = positive_[static_cast<std::size_t>(found - levels_.begin())];
   double sum = 0;

@@ -166,7 +166,7 @@ class Staircase : public AdaptiveProcedure {
         return track;
       }
     }
-    throw InvalidParameter("level of an answer", fmt::format("{}", x), "a level of the staircase");
+    throw InvalidParameter("level of a response", fmt::format("{}", x), "a level of the staircase");
   }
 
   void step(Track& track, bool right) {

@@ -113,7 +113,7 @@ std::string designText(const StudyBlock& block) {
       block.title.empty() ? block.name : block.title, block.axis_label, stimulusText(block.reference),
       levelsText(block), block.question, block.answers[0], block.answers[1], taskText(block.task),
       procedureText(block));
-  text += fmt::format("- A stimulus lasts {}; an answer may take {}. The scene is {} meanwhile.\n",
+  text += fmt::format("- A stimulus lasts {}; a response may take {}. The scene is {} meanwhile.\n",
                       secondsText(block.interval_s, "until the participant continues"),
                       secondsText(block.answer_limit_s, "any time"), visionText(block));
   if (block.practice_trials > 0) {

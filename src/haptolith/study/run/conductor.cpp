@@ -50,7 +50,7 @@ void Conductor::resumeParticipant(std::string_view code) {
   }
   for (const TrialRow& row : store_.trials(found->id)) {
     if (row.state == TrialState::kBegun) {
-      store_.voidTrial(row.id, TrialState::kLost, "the program ended before the answer");
+      store_.voidTrial(row.id, TrialState::kLost, "the program ended before the response");
     }
   }
   store_.addNote(found->id, "came back", "resume");
@@ -175,7 +175,7 @@ void Conductor::poll() {
         if (pressed) {
           answer(*pressed);
         } else if (left_s && *left_s <= 0) {
-          dropTrial(TrialState::kLost, fmt::format("no answer within {:g} s", block().answer_limit_s));
+          dropTrial(TrialState::kLost, fmt::format("no response within {:g} s", block().answer_limit_s));
           goToNextTrial();
         }
         break;

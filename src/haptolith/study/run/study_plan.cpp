@@ -31,8 +31,8 @@ void validate(const StudyBlock& block, const std::vector<StudySize>& sizes, cons
     requireInRange("repeats", size.repeats, {1, 1000});
   }
   validate(parameters.observer);
-  requireInRange("spread", parameters.spread, {0, 5});
-  requireInRange("against", parameters.against.value_or(1), {0, kInfinity, Ends::kOpen});
+  requireInRange("between_sd", parameters.between_sd, {0, 5});
+  requireInRange("alternative", parameters.alternative.value_or(1), {0, kInfinity, Ends::kOpen});
   requireInRange("width", parameters.width.value_or(1), {0, kInfinity, Ends::kOpen});
   requireInRange("studies", parameters.studies, {10, 100'000});
 }
@@ -43,7 +43,7 @@ std::vector<std::vector<Level>> simulatedAnswersOf(const StudyBlock& block, cons
   people.reserve(static_cast<std::size_t>(size.participants));
   for (int person = 0; person < size.participants; ++person) {
     ObserverParameters who = parameters.observer;
-    who.weber_fraction *= std::exp(parameters.spread * normal(random));
+    who.weber_fraction *= std::exp(parameters.between_sd * normal(random));
     SimulatedObserver observer(who, random());
     std::vector<Level>& answers = people.emplace_back();
     for (int repeat = 0; repeat < size.repeats; ++repeat) {
@@ -78,10 +78,10 @@ class Counter {
   double holding_ = 0;
 };
 
-bool tells(const Interval& interval, double truth, double against) {
-  const bool below = interval.high < against;
-  const bool above = interval.low > against;
-  return truth < against ? below : truth > against ? above : below || above;
+bool tells(const Interval& interval, double truth, double alternative) {
+  const bool below = interval.high < alternative;
+  const bool above = interval.low > alternative;
+  return truth < alternative ? below : truth > alternative ? above : below || above;
 }
 
 PlanOutcome planOf(const StudyBlock& block, const StudySize& size, const PlanParameters& parameters,
@@ -96,7 +96,7 @@ PlanOutcome planOf(const StudyBlock& block, const StudySize& size, const PlanPar
     estimates.push_back(w.value);
     widths.push_back((w.interval.high - w.interval.low) / w.value);
     covered.count(w.interval.low <= truth && truth <= w.interval.high);
-    told.count(parameters.against && tells(w.interval, truth, *parameters.against));
+    told.count(parameters.alternative && tells(w.interval, truth, *parameters.alternative));
     narrow.count(parameters.width && widths.back() <= *parameters.width);
     if (goes_on && !goes_on()) {
       throw Failure("interrupted");
@@ -109,7 +109,7 @@ PlanOutcome planOf(const StudyBlock& block, const StudySize& size, const PlanPar
           .high = quantile(estimates, 0.975),
           .interval_width = quantile(widths, 0.5),
           .covered = covered.share(),
-          .power = parameters.against ? std::optional(told.share()) : std::nullopt,
+          .power = parameters.alternative ? std::optional(told.share()) : std::nullopt,
           .narrow = parameters.width ? std::optional(narrow.share()) : std::nullopt};
 }
 
@@ -134,8 +134,8 @@ std::vector<PlanOutcome> leastParticipants(const StudyBlock& block, int repeats,
                                            double share, const std::function<bool()>& goes_on) {
   requireInRange("power", share, {0, 1, Ends::kOpen});
   validate(block, {{1, repeats}}, parameters);
-  if (!parameters.against && !parameters.width) {
-    throw InvalidParameter("against", "nothing", "another Weber fraction; or set the target width of the interval");
+  if (!parameters.alternative && !parameters.width) {
+    throw InvalidParameter("alternative", "nothing", "another Weber fraction; or set the target width of the interval");
   }
   std::map<int, PlanOutcome> tried;
   const auto suffices = [&](int participants) {

@@ -19,11 +19,11 @@ struct StudySize {
 
 /// Parameters of repeated simulations of a block of constant stimuli.
 struct PlanParameters {
-  ObserverParameters observer = {};    ///< the median participant
-  double spread = 0;                   ///< SD of ln w between participants, >= 0
-  std::optional<double> against = {};  ///< another Weber fraction, to be distinguished from the observer's
-  std::optional<double> width = {};    ///< required width of the interval, relative to the estimate
-  int studies = 200;                   ///< simulated studies of each size
+  ObserverParameters observer = {};        ///< the median participant
+  double between_sd = 0;                   ///< SD of ln w between participants, >= 0
+  std::optional<double> alternative = {};  ///< another Weber fraction, to be distinguished from the observer's
+  std::optional<double> width = {};        ///< required width of the interval, relative to the estimate
+  int studies = 200;                       ///< simulated studies of each size
   double confidence = 0.95;
   std::uint64_t seed = 1;
 };
@@ -42,7 +42,8 @@ struct PlanOutcome {
   double median = 0, low = 0, high = 0;  ///< estimated Weber fractions: median, 2.5 % and 97.5 % quantile
   double interval_width = 0;             ///< median width of the intervals relative to their estimates
   SimulatedShare covered;                ///< intervals that contain the observer's Weber fraction
-  /// Intervals that exclude `against` on the side of the observer's Weber fraction; if both are equal, on either side.
+  /// Intervals that exclude the alternative on the side of the observer's Weber fraction; if both are equal, on either
+  /// side.
   std::optional<SimulatedShare> power;
   std::optional<SimulatedShare> narrow;  ///< intervals with at most the width `width`
 };
@@ -59,7 +60,7 @@ inline constexpr int kMostParticipants = 500;
 
 /// Finds the smallest number of participants, up to kMostParticipants, at which a fraction `share` of studies has the
 /// required power (or narrow intervals).
-/// @param parameters  with `against` or `width`. @param share  between 0 and 1, both excluded.
+/// @param parameters  with `alternative` or `width`. @param share  between 0 and 1, both excluded.
 /// @return all sizes tried, in ascending order of participants.
 /// @throws InvalidParameter as planStudy(); Failure if kMostParticipants do not suffice.
 [[nodiscard]] std::vector<PlanOutcome> leastParticipants(const StudyBlock& block, int repeats,

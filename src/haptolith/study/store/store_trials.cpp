@@ -246,14 +246,15 @@ std::int64_t StudyStore::beginTrial(const TrialBegun& trial) {
     implementation_->requireParticipant(trial.participant);
     if (prepared(database, "SELECT 1 FROM trial WHERE participant = ? AND state = 'begun'", trial.participant)
             .executeStep()) {
-      throw Failure(fmt::format("{}: a trial is running: answer it or mark it as lost before the next one begins",
-                                implementation_->file.string()));
+      throw Failure(
+          fmt::format("{}: a trial is running: record its response or mark it as lost before the next one begins",
+                      implementation_->file.string()));
     }
     if (prepared(database,
                  "SELECT 1 FROM trial WHERE participant = ? AND block = ? AND trial = ? AND state = 'answered'",
                  trial.participant, trial.block, trial.index)
             .executeStep()) {
-      throw Failure(fmt::format("{}: trial {} of block '{}' already has an answer", implementation_->file.string(),
+      throw Failure(fmt::format("{}: trial {} of block '{}' already has a response", implementation_->file.string(),
                                 trial.index, trial.block_name));
     }
     execute(
@@ -272,7 +273,7 @@ void StudyStore::answerTrial(std::int64_t id, const TrialAnswer& answer) {
   SQLite::Database& database = *implementation_->database;
   implementation_->write([&] {
     if (const TrialState state = implementation_->stateOf(id); state != TrialState::kBegun) {
-      throw Failure(fmt::format("{}: trial {} is {}: only a running trial takes an answer",
+      throw Failure(fmt::format("{}: trial {} is {}: only a running trial takes a response",
                                 implementation_->file.string(), id, wordOf(state)));
     }
     execute(database, "INSERT INTO answer (trial, positive, correct, reaction_s, timed_out) VALUES (?, ?, ?, ?, ?)", id,

@@ -28,7 +28,7 @@ class OperatorHand final : public HapticDevice {
   OperatorHand(const TeleopSetup& setup, double surface_m)
       : surface_m_(surface_m),
         tick_s_(setup.model.loop.tick_s),
-        lets_go_s_(setup.lets_go_s),
+        release_s_(setup.release_s),
         scene_hand_(handAbove(setup.model, surface_m), tick_s_) {
     last_.pose = VirtualHand(handAbove(setup.model, surface_m), tick_s_).read().pose;
     if (setup.task) {
@@ -46,7 +46,7 @@ class OperatorHand final : public HapticDevice {
   [[nodiscard]] DeviceLimits limits() const noexcept override { return scene_hand_.limits(); }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] DeviceInput read() noexcept override {
-    const bool ends = task_hand_ == std::nullopt && lets_go_s_ && static_cast<double>(ticks_) * tick_s_ >= *lets_go_s_;
+    const bool ends = task_hand_ == std::nullopt && release_s_ && static_cast<double>(ticks_) * tick_s_ >= *release_s_;
     if (ends) {
       task_hand_.emplace(std::nullopt, scene_hand_.limits(), tick_s_, last_.pose);
       task_hand_->releaseTool({last_.pose, last_.twist});
@@ -79,7 +79,7 @@ class OperatorHand final : public HapticDevice {
 
  private:
   double surface_m_, tick_s_;
-  std::optional<double> lets_go_s_;
+  std::optional<double> release_s_;
   VirtualHand scene_hand_;
   std::optional<TaskHand> task_hand_;
   std::optional<TaskOperator> task_;

@@ -13,9 +13,9 @@ TeleopResult simulateTeleop(const TeleopSetup& setup, const TeleopProgress& prog
   requireInRange("period_s", setup.sending.period_s, TeleopRanges::period_s);
   requireInRange("site_period_s", setup.sending.site_period_s, TeleopRanges::site_period_s);
   requireInRange("bilateral_period_s", setup.bilateral_period_s, TeleopRanges::period_s);
-  requireInRange("lets_go_s", setup.lets_go_s.value_or(0), TeleopRanges::lets_go_s);
-  if (setup.lets_go_s && (setup.task || setup.feedback != Feedback::kModel)) {
-    throw InvalidParameter("lets_go_s", fmt::format("{:g}", *setup.lets_go_s),
+  requireInRange("release_s", setup.release_s.value_or(0), TeleopRanges::release_s);
+  if (setup.release_s && (setup.task || setup.feedback != Feedback::kModel)) {
+    throw InvalidParameter("release_s", fmt::format("{:g}", *setup.release_s),
                            "given with a rendered model and without a task");
   }
   requireInRange("robot_clock_share", setup.robot_clock_share, TeleopRanges::clock_share);

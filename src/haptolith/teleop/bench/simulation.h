@@ -36,7 +36,7 @@ struct TeleopSetup {
   double robot_clock_share = 0;       ///< by which the robot's clock is too fast
   /// A hand that does this, in place of the scene's motion; the run ends when it is done.
   std::optional<SiteTask> task;
-  std::optional<double> lets_go_s;    ///< time at which the hand releases the tool; not with a task
+  std::optional<double> release_s;    ///< time at which the hand releases the tool; not with a task
   std::optional<StrengthMap> learns;  ///< the model does, while it digs: see LearningModel
   bool mends = false;                 ///< the model's surface becomes the one that is seen: see SurfaceMender
 };
@@ -45,7 +45,7 @@ struct TeleopRanges {
   static constexpr Range duration_s{0.1, 1e5};
   static constexpr Range period_s{1e-3, 1};
   static constexpr Range site_period_s{1e-3, 60};
-  static constexpr Range lets_go_s{0, 1e5};
+  static constexpr Range release_s{0, 1e5};
   static constexpr Range clock_share{-0.01, 0.01};
 };
 

@@ -81,7 +81,7 @@ class UdpPort::Implementation {
 
   void send(std::string_view to, const Packet& bytes) {
     Error lost;
-    socket_.send_to(asio::buffer(bytes), endpointOf("to", to), 0, lost);
+    socket_.send_to(asio::buffer(bytes), endpointOf("connect", to), 0, lost);
   }
 
   [[nodiscard]] Udp::endpoint here() const { return socket_.local_endpoint(); }

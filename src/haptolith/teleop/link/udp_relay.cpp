@@ -32,9 +32,9 @@ constexpr double kPeerForgottenAfter_s = 10;
 class UdpRelay::Implementation {
  public:
   Implementation(const LinkParameters& up, const LinkParameters& down, const UdpRelayOptions& options)
-      : up_(up), down_(down), robot_(endpointOf("to", options.to)) {
+      : up_(up), down_(down), robot_(endpointOf("connect", options.to)) {
     openAt("listen", endpointOf("listen", options.listen), operator_socket_);
-    openAt("to", {robot_.address().is_v6() ? Udp::v6() : Udp::v4(), 0}, robot_socket_);
+    openAt("connect", {robot_.address().is_v6() ? Udp::v6() : Udp::v4(), 0}, robot_socket_);
     hear(operator_socket_, operator_buffer_, [this](std::size_t bytes) { fromOperator(bytes); });
     hear(robot_socket_, robot_buffer_, [this](std::size_t bytes) { fromRobot(bytes); });
   }

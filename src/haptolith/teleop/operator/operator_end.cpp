@@ -25,11 +25,11 @@ OperatorEnd::OperatorEnd(const std::string& to, const EndOptions& options, doubl
       options_(fromAnywhere(options, to)),
       surface_m_(surface_m),
       tick_s_(tick_s),
-      port_("to", options_.listen),
+      port_("connect", options_.listen),
       seal_(options.key),
       history_(commandLags(options.sending.period_s, options.sending.command_keyframes)),
       period_(static_cast<std::uint64_t>(std::llround(options.sending.period_s / tick_s))) {
-  requireSafe("to", to, options);
+  requireSafe("connect", to, options);
   command_.connection = newConnection();
 }
 

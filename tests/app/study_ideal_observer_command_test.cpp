@@ -17,17 +17,17 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 const std::string kQuick =
-    "study explore --block friction --friction-model icra2021 --motion stir --repeats 2 --rounds 1";
+    "study ideal-observer --block friction --friction-model icra2021 --motion stir --repeats 2 --rounds 1";
 
-class StudyExploreCommand : public testing::Test {
+class StudyIdealObserverCommand : public testing::Test {
  protected:
-  StudyExploreCommand() { fs::create_directories(folder_); }
-  ~StudyExploreCommand() override { fs::remove_all(folder_); }
+  StudyIdealObserverCommand() { fs::create_directories(folder_); }
+  ~StudyIdealObserverCommand() override { fs::remove_all(folder_); }
 
   fs::path folder_ = fs::temp_directory_path() / ("haptolith_explore_" + std::to_string(getpid()));
 };
 
-TEST_F(StudyExploreCommand, TellsWhatAHandFeelsOfEachStimulus) {
+TEST_F(StudyIdealObserverCommand, TellsWhatAHandFeelsOfEachStimulus) {
   const fs::path csv = folder_ / "all.csv";
   const fs::path forces = folder_ / "forces.svg";
   const fs::path weber = folder_ / "weber.svg";
@@ -49,7 +49,7 @@ TEST_F(StudyExploreCommand, TellsWhatAHandFeelsOfEachStimulus) {
   EXPECT_GT(fs::file_size(weber), 1000U);
 }
 
-TEST_F(StudyExploreCommand, TellsWhatForceAndWhatThePictureTellOfATask) {
+TEST_F(StudyIdealObserverCommand, TellsWhatForceAndWhatThePictureTellOfATask) {
   std::ofstream(folder_ / "scene.toml") << "[soil]\nname = 'dry-sand'\n[bed]\nstart = 'packed'\ndepth_mm = 30\n"
                                            "[tool]\nshape = 'sphere'\ndiameter_mm = 30\n"
                                            "[hand]\nmotion = 'press'\nperiod_s = 1\nsurface_mm = 30\n";
@@ -57,7 +57,7 @@ TEST_F(StudyExploreCommand, TellsWhatForceAndWhatThePictureTellOfATask) {
                                        "answers = ['1', '2']\nvaries = 'soil_depth_mm'\nreference = 30\n"
                                        "levels = [20, 60]\n";
   const std::string command =
-      "study explore --repeats 4 --rounds 1 --resamplings 20 --protocol " + (folder_ / "p.toml").string();
+      "study ideal-observer --repeats 4 --rounds 1 --resamplings 20 --protocol " + (folder_ / "p.toml").string();
   const ProgramResult result = runHaptolith(command + " --json");
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json task = json::parse(result.output).at("tasks").at(0);
@@ -72,21 +72,28 @@ TEST_F(StudyExploreCommand, TellsWhatForceAndWhatThePictureTellOfATask) {
   EXPECT_THAT(text.output, testing::HasSubstr("force d'"));
   EXPECT_THAT(text.output, testing::HasSubstr("seen height (mm)"));
   EXPECT_EQ(runHaptolith(command + " --motion stir").exit_status, 2);
-  EXPECT_EQ(runHaptolith("study explore --repeats 3 --protocol " + (folder_ / "p.toml").string()).exit_status, 2);
-  const ProgramResult none = runHaptolith("study explore --protocol buried-ston");
+  EXPECT_EQ(runHaptolith("study ideal-observer --repeats 3 --protocol " + (folder_ / "p.toml").string()).exit_status,
+            2);
+  const ProgramResult none = runHaptolith("study ideal-observer --protocol buried-ston");
   EXPECT_EQ(none.exit_status, 2);
   EXPECT_THAT(none.errors, testing::HasSubstr("buried-stone"));
 }
 
-TEST_F(StudyExploreCommand, IsTheSameForAnyNumberOfThreads) {
+TEST_F(StudyIdealObserverCommand, IsTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(runHaptolith(kQuick + " --json --threads 1").output, runHaptolith(kQuick + " --json --threads 3").output);
 }
 
-TEST_F(StudyExploreCommand, NonsenseIsRefused) {
-  EXPECT_EQ(runHaptolith("study explore --block weight").exit_status, 2);
-  EXPECT_EQ(runHaptolith("study explore --repeats 1").exit_status, 2);
-  EXPECT_EQ(runHaptolith("study explore --motion carry").exit_status, 2);
+TEST_F(StudyIdealObserverCommand, NonsenseIsRefused) {
+  EXPECT_EQ(runHaptolith("study ideal-observer --block weight").exit_status, 2);
+  EXPECT_EQ(runHaptolith("study ideal-observer --repeats 1").exit_status, 2);
+  EXPECT_EQ(runHaptolith("study ideal-observer --motion carry").exit_status, 2);
   EXPECT_EQ(runHaptolith(kQuick + " --csv /no/such/folder/file.csv").exit_status, 1);
+}
+
+TEST_F(StudyIdealObserverCommand, FormerNameStillWorks) {
+  const ProgramResult result = runHaptolith("study explore --repeats 1");
+  EXPECT_EQ(result.exit_status, 2);
+  EXPECT_THAT(result.errors, testing::HasSubstr("study explore is now study ideal-observer"));
 }
 
 }  // namespace

@@ -30,17 +30,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kTeleopRemoteExamples = R"(Examples:
-  haptolith teleop remote                          robot in scene teleop-site, at 127.0.0.1:7410
-  haptolith teleop operator --to 127.0.0.1:7410    control it, in another terminal
-  haptolith teleop remote regolith --max-force-n 20
-  haptolith teleop remote --listen 0.0.0.0:7410 --key-file teleop.key
-                                                   make the key: openssl rand -hex 32 > teleop.key
+constexpr const char* kTeleopRobotExamples = R"(Examples:
+  haptolith teleop robot                                robot in scene teleop-site, at 127.0.0.1:7410
+  haptolith teleop operator --connect 127.0.0.1:7410    control it, in another terminal
+  haptolith teleop robot regolith --max-force-n 20
+  haptolith teleop robot --listen 0.0.0.0:7410 --key-file teleop.key
+                              make the key: openssl rand -hex 32 > teleop.key
 
 Another robot can use the packets of docs/reference/teleop-packets.md,
 with include/haptolith/teleop.h in C or examples/teleop_robot.py in Python.)";
 
-struct RemoteOptions {
+struct RobotOptions {
   std::string site = "teleop-site";
   std::vector<std::string> overrides;
   std::string listen = EndOptions().listen;
@@ -79,7 +79,7 @@ std::string statusText(const Robot& robot, const RobotServer& server, double rat
   return robotStatusText(robot, server) + slow;
 }
 
-void runRemote(const RemoteOptions& options) {
+void runRobot(const RobotOptions& options) {
   const StopOnSignal stop;
   StatusLine status;
   SceneFile scene_file = findSceneFile(options.site, options.overrides);
@@ -126,11 +126,11 @@ void runRemote(const RemoteOptions& options) {
 
 }  // namespace
 
-void addTeleopRemote(CLI::App& teleop) {
-  auto options = std::make_shared<RemoteOptions>();
+void addTeleopRobot(CLI::App& teleop) {
+  auto options = std::make_shared<RobotOptions>();
   CLI::App* command =
-      teleop.add_subcommand("remote", "Run a simulated robot that is controlled by `haptolith teleop operator`");
-  command->footer(kTeleopRemoteExamples);
+      teleop.add_subcommand("robot", "Run a simulated robot that is controlled by `haptolith teleop operator`");
+  command->footer(kTeleopRobotExamples);
   command->add_option("site", options->site, "Scene of the robot's site [teleop-site]")->option_text("SCENE");
   command->add_option("--set", options->overrides, kSetHelp)->option_text("TABLE.KEY=VALUE");
   command->add_option("--listen", options->listen, "Address to listen on for commands")
@@ -147,7 +147,7 @@ void addTeleopRemote(CLI::App& teleop) {
          "Time without a command after which the tool is lifted");
   number("--duration-s", options->duration_s, LinkRanges::time_s, "SECONDS", "Duration; 0: until Ctrl-C");
   addJson(*command, options->json);
-  command->callback([options] { runRemote(*options); });
+  command->callback([options] { runRobot(*options); });
 }
 
 }  // namespace haptolith

@@ -36,15 +36,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kStudyExploreExamples = R"(Examples:
-  haptolith study explore                                          everything: some minutes
-  haptolith study explore --block gravity --friction-model icra2021 --motion stir --repeats 10
-  haptolith study explore --csv explorations.csv --figure forces.png --weber-figure weber.png
-  haptolith study explore --protocol buried-stone                  information in force and in view
+constexpr const char* kIdealObserverExamples = R"(Examples:
+  haptolith study ideal-observer                             all stimuli: some minutes
+  haptolith study ideal-observer --block gravity --friction-model icra2021 --motion stir --repeats 10
+  haptolith study ideal-observer --csv explorations.csv --figure forces.png --weber-figure weber.png
+  haptolith study ideal-observer --protocol buried-stone     information in force and in view
 
 Results and definitions: docs/reports/perception.md)";
 
-struct ExploreOptions {
+struct IdealObserverOptions {
   PerceptionOptions perception;
   PerceiveOptions perceive;
   std::string block = "both", friction = "both", motion = "all";
@@ -54,7 +54,7 @@ struct ExploreOptions {
   bool json = false;
 };
 
-PerceptionOptions perceptionOf(const ExploreOptions& options) {
+PerceptionOptions perceptionOf(const IdealObserverOptions& options) {
   PerceptionOptions wanted = options.perception;
   if (options.block != "both") {
     wanted.blocks = {options.block};
@@ -80,7 +80,7 @@ std::string tableOf(const PerceptionBlock& block, const std::vector<PerceivedCue
   const std::string& reference = block.stimuli[block.reference].name;
   std::string text = fmt::format(
       "{}, {} friction: JNDs from {} (> 0: \"more\"), and the Weber fraction of an observer who has this to judge by,\n"
-      "with the 95 % interval of {} explorations\n  {:22} {:>9}  scatter",
+      "with the 95 % interval of {} explorations\n  {:22} {:>9}       SD",
       block.name, wordFor(kFrictionWords, block.friction), reference, block.explorations.front().front().size(),
       "hand, cue", reference);
   for (std::size_t i = 0; i < block.stimuli.size(); ++i) {
@@ -146,7 +146,7 @@ Json jsonOf(const PerceptionBlock& block, const std::vector<PerceivedCue>& perce
           {"cues", all}};
 }
 
-void saveCsv(const ExploreOptions& options, const PerceptionOptions& wanted,
+void saveCsv(const IdealObserverOptions& options, const PerceptionOptions& wanted,
              const std::vector<PerceptionBlock>& blocks) {
   AtomicFile file(options.overwrite(options.csv_file));
   file.write("block,friction,stimulus,x,hand,repeat,duration_s,path_m,work_j");
@@ -177,7 +177,7 @@ void saveCsv(const ExploreOptions& options, const PerceptionOptions& wanted,
 }
 
 /// Runs the first block of each protocol: blocks of one task differ in the visual cues, not in the soils.
-void runTasks(const ExploreOptions& options) {
+void runTasks(const IdealObserverOptions& options) {
   const StopOnSignal stop_on_signal;
   const PerceptionOptions wanted = perceptionOf(options);
   const TaskOptions task_options{.repeats = wanted.repeats,
@@ -214,7 +214,7 @@ void runTasks(const ExploreOptions& options) {
   }
 }
 
-void runExplore(const ExploreOptions& options) {
+void runIdealObserver(const IdealObserverOptions& options) {
   if (!options.protocols.empty()) {
     return runTasks(options);
   }
@@ -255,11 +255,12 @@ void runExplore(const ExploreOptions& options) {
 
 }  // namespace
 
-void addStudyExploreCommand(CLI::App& study) {
-  auto options = std::make_shared<ExploreOptions>();
+void addStudyIdealObserverCommand(CLI::App& study) {
+  auto options = std::make_shared<IdealObserverOptions>();
   options->perception.threads = 0;
   PerceptionOptions& perception = options->perception;
-  CLI::App* command = study.add_subcommand("explore", "Estimate how well an ideal observer discriminates the stimuli");
+  CLI::App* command =
+      study.add_subcommand("ideal-observer", "Estimate how well an ideal observer discriminates the stimuli");
   CLI::Option* protocols =
       command
           ->add_option("--protocol", options->protocols,
@@ -313,8 +314,8 @@ void addStudyExploreCommand(CLI::App& study) {
       ->excludes(protocols);
   options->overwrite.addTo(*command);
   addJson(*command, options->json);
-  command->footer(kStudyExploreExamples);
-  command->callback([options] { runExplore(*options); });
+  command->footer(kIdealObserverExamples);
+  command->callback([options] { runIdealObserver(*options); });
 }
 
 }  // namespace haptolith
