@@ -2,7 +2,8 @@
 """Makes the manual: make_manual.py BUILD_FOLDER OUT_FOLDER, with Debian's Sphinx, MyST and furo, offline.
 
 The pages are those of docs/, in the same folders. Generated: the reference of the C header, the help of every command, and a page for
-each file that a page links to. Warnings are errors.
+each file that a page links to. Warnings are errors. The text in a comment "<!-- manual ... -->" is in the manual only: tables of contents
+and listings, which a repository's web page shows as raw text.
 """
 
 import base64
@@ -201,6 +202,7 @@ def linked(text: str, folder: Path, staged: Path, up: str = "") -> str:
         page = file.relative_to(DOCS).as_posix() if inside else page_for(file.relative_to(SOURCE).as_posix(), staged)
         return f"]({up}{page}{'#' + anchor if anchor else ''})"
 
+    text = re.sub(r"^<!-- manual\n(.*?)^-->$", r"\1", text, flags=re.M | re.S)
     return re.sub(r"\]\(([^)\s]+)\)", turned, re.sub(r"^@listing (\S+)$", listing, text, flags=re.M))
 
 
