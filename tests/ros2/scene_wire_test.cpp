@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -30,31 +31,31 @@ using testing::ElementsAre;
 constexpr const char* kPose = "geometry_msgs::msg::dds_::PoseStamped_";
 constexpr const char* kWrench = "geometry_msgs::msg::dds_::WrenchStamped_";
 
-/// Received messages, on a thread of the peer.
+/// Received messages. The peer's thread may add to them until the peer ends, after the test.
 class Heard {
  public:
   [[nodiscard]] std::function<void(const Bytes&)> listener() {
-    return [this](const Bytes& bytes) {
-      const std::lock_guard lock(mutex_);
-      messages_.push_back(bytes);
+    return [messages = messages_](const Bytes& bytes) {
+      const std::lock_guard lock(messages->mutex);
+      messages->all.push_back(bytes);
     };
   }
-  [[nodiscard]] std::size_t count() const {
-    const std::lock_guard lock(mutex_);
-    return messages_.size();
-  }
+  [[nodiscard]] std::size_t count() const { return all().size(); }
   [[nodiscard]] Bytes last() const {
-    const std::lock_guard lock(mutex_);
-    return messages_.empty() ? Bytes() : messages_.back();
+    const std::vector<Bytes> messages = all();
+    return messages.empty() ? Bytes() : messages.back();
   }
   [[nodiscard]] std::vector<Bytes> all() const {
-    const std::lock_guard lock(mutex_);
-    return messages_;
+    const std::lock_guard lock(messages_->mutex);
+    return messages_->all;
   }
 
  private:
-  mutable std::mutex mutex_;
-  std::vector<Bytes> messages_;
+  struct Messages {
+    std::mutex mutex;
+    std::vector<Bytes> all;
+  };
+  std::shared_ptr<Messages> messages_ = std::make_shared<Messages>();
 };
 
 TickRecord someTick() {
@@ -377,7 +378,8 @@ TEST_F(SceneWireTest, AThousandMessagesASecondGoBothWays) {
   std::atomic<int> disorder{0};
   std::vector<std::int64_t> told_ns(static_cast<std::size_t>(ticks));
   std::vector<double> latency_us(static_cast<std::size_t>(ticks), -1);
-  peer_.listen("rt/haptolith/tool_pose", kPose, PeerQos::kBestEffort, [&](const Bytes& bytes) {
+  FastDdsPeer peer{someDomain()};  // ends before what its thread writes to
+  peer.listen("rt/haptolith/tool_pose", kPose, PeerQos::kBestEffort, [&](const Bytes& bytes) {
     CdrReader reader(bytes);
     reader.get<std::int32_t>();
     reader.get<std::uint32_t>();
@@ -392,14 +394,14 @@ TEST_F(SceneWireTest, AThousandMessagesASecondGoBothWays) {
     const auto tick = static_cast<std::size_t>(std::lround(1000 * x));
     latency_us[tick] = 1e-3 * static_cast<double>(monotonicNs() - told_ns[tick]);
   });
-  peer_.listen("rt/haptolith/wrench", kWrench, PeerQos::kBestEffort, [&](const Bytes&) { ++wrenches; });
-  const std::size_t writer = peer_.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kBestEffort);
-  ASSERT_TRUE(eventually([&] { return peer_.writersFound() == 2 && peer_.readersOf(writer) == 1; }));
+  peer.listen("rt/haptolith/wrench", kWrench, PeerQos::kBestEffort, [&](const Bytes&) { ++wrenches; });
+  const std::size_t writer = peer.makeWriter("rt/haptolith/target_pose", kPose, PeerQos::kBestEffort);
+  ASSERT_TRUE(eventually([&] { return peer.writersFound() == 2 && peer.readersOf(writer) == 1; }));
   TickRecord tick = someTick();
   tick.scene_T_tool.position_m.x() = -1;
   ASSERT_TRUE(eventually([&] {
     tell(tick);
-    peer_.write(writer, target({0, 0, 0}));
+    peer.write(writer, target({0, 0, 0}));
     std::this_thread::sleep_for(5ms);
     return wrenches > 0 && publisher_->counts().targets > 0;
   }));
@@ -413,7 +415,7 @@ TEST_F(SceneWireTest, AThousandMessagesASecondGoBothWays) {
     tick.scene_T_tool.position_m.x() = 1e-3 * i;
     told_ns[static_cast<std::size_t>(i)] = monotonicNs();
     tell(tick);
-    peer_.write(writer, target({1e-3 * i, 0, 0}));
+    peer.write(writer, target({1e-3 * i, 0, 0}));
   }
   std::this_thread::sleep_for(300ms);
   std::vector<double> heard_us;
