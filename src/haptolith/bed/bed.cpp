@@ -124,6 +124,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
                      gridBox(parameters, grid_height_m)),
       grid_height_m_(grid_height_m),
       wakefulness_(paddedCount(grains.size()) / kGroup, restRule(parameters)),
+      changed_(paddedCount(grains.size()) / kGroup),
       team_(usefulThreads(parameters, grains.size())),
       moved_of_part_(static_cast<std::size_t>(mostParts(team_.size()))) {
   transitions_by_part_.resize(moved_of_part_.size());
@@ -208,6 +209,7 @@ StepStatus Bed::step(double dt_s) noexcept {
   }
   wakefulness_.listAwake();  // groups may have been woken since the last step
   parts_ = partsFor(parameters_, wakefulness_.awake().size(), team_.size());
+  ++changes_;
   team_.run([](void* bed, int part, int parts) noexcept { static_cast<Bed*>(bed)->stepPart(part, parts); }, this,
             parts_);
   state_.position.swap(next_position_);
@@ -340,6 +342,9 @@ void Bed::stepPart(int part, int parts) noexcept {
     stepWithContactFriction(laws_.graded, now_, box_, arrays, first, last, moved);
   } else {
     stepWithIcra2021Friction(laws_.kernel, now_, box_, arrays, first, last, moved);
+  }
+  for (std::size_t k = first; k < last; ++k) {
+    changed_[wakefulness_.awake()[k]] = changes_;
   }
   moved_of_part_[static_cast<std::size_t>(part)] = moved;
   transitions_by_part_[static_cast<std::size_t>(part)] = wakefulness_.updateRest(first, last, next_position_, state_);
@@ -533,7 +538,7 @@ std::size_t Bed::bytes() const noexcept {
                               state_.rested_at.size() + state_.tool_slip.size() + state_.remainder.size();
   return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + state_.tool_side.size() +
          moved_.size() * sizeof(moved_[0]) + state_.rested.size() * sizeof(state_.rested[0]) + wakefulness_.bytes() +
-         state_.contacts.bytes() + neighbourhood_.bytes() + stones_.bytes();
+         changed_.size() * sizeof(changed_[0]) + state_.contacts.bytes() + neighbourhood_.bytes() + stones_.bytes();
 }
 
 }  // namespace haptolith

@@ -46,7 +46,7 @@ struct GrainMove {
 /// (paper 19), friction (14) and damping (20); with contact friction see friction-inl.h.
 ///
 /// After construction nothing allocates. Equal parameters, start and forces give equal bits for any number of
-/// threads, on machines with the same instruction set.
+/// threads, on every machine with the same arithmetic (simd_target.h).
 class Bed {
  public:
   /// Makes the bed's first state according to `parameters.start` (see bed_start.h and bed_tile.h); settling reports to
@@ -174,6 +174,10 @@ class Bed {
   };
   [[nodiscard]] std::vector<GrainRun> grainRuns() const;
   [[nodiscard]] const BedState& state() const noexcept { return state_; }
+  /// Number of changes so far: of steps and restored states. A group has been stepped or restored since the change
+  /// that changes() counted if its changed() is greater. May be called in the tick.
+  [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
+  [[nodiscard]] std::uint64_t changed(std::size_t group) const noexcept { return changed_[group]; }
   [[nodiscard]] const Stones& stones() const noexcept { return stones_; }
   [[nodiscard]] Stones& stones() noexcept { return stones_; }
   /// As stateHash(), with the stones. May be called in the tick.
@@ -259,6 +263,8 @@ class Bed {
   bool near_now_is_before_ = false;
   std::vector<std::int32_t>
       moved_;  ///< particles that left their list position in this step: each part's from its first particle on
+  std::vector<std::uint64_t> changed_;  ///< value of changes_ at the last change of each group
+  std::uint64_t changes_ = 0;
   WorkerTeam team_;
   int parts_ = 1;  ///< that the present step is shared out in
   std::vector<Moved> moved_of_part_;

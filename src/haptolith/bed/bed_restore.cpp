@@ -224,6 +224,7 @@ void Bed::restore(const BedState& state) {
   std::ranges::fill(near_walls_, std::uint8_t{0xFF});
   state_.tool_slip = state.tool_slip;
   state_.contacts.takeOver(state.contacts);
+  std::ranges::fill(changed_, ++changes_);
   driven_ = 0;
   std::ranges::fill(external_, Float4{});
   near_place_.reset();

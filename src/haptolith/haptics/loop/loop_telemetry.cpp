@@ -11,9 +11,6 @@ namespace {
 /// Room for 8 s at 1 kHz while the thread that writes them is held up.
 constexpr std::size_t kRecordsInFlight = 8192;
 
-/// Ticks between two snapshots: 62 a second at 1 kHz.
-constexpr std::uint64_t kTicksPerSnapshot = 16;
-
 /// A bed as small as this is copied in one tick; of a larger one each tick copies a part.
 constexpr std::size_t kCopiedAtOnce = 4096;
 
@@ -66,33 +63,42 @@ void LoopTelemetry::report(SafetyTrip trip, LoopEnd end) noexcept {
 /// @return the snapshot when this was its last part.
 SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
   // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
-  const std::uint64_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
+  const std::size_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
   const bool complete = part + 1 == kTicksPerSnapshot;
-  const Bed& bed = shown.scene.bed();
-  const std::size_t groups = bed.state().rested.size();
-  const bool at_once = bed.particles() <= kCopiedAtOnce;
+  const bool at_once = shown.scene.bed().particles() <= kCopiedAtOnce;
   if (at_once && !complete) {
     return nullptr;
   }
   SceneSnapshot& snapshot = shown.snapshots.draft();
-  copyGroups(snapshot, shown.scene, at_once ? 0 : groups * part / kTicksPerSnapshot,
-             groups * (part + 1) / kTicksPerSnapshot);
+  copyParts(snapshot, shown.scene, at_once ? 0 : part, part + 1);
   return complete ? &snapshot : nullptr;
 }
 
-void LoopTelemetry::copyGroups(SceneSnapshot& snapshot, const Scene& scene, std::size_t first_group,
-                               std::size_t last_group) noexcept {
-  HAPTO_ASSERT(first_group <= last_group && last_group <= scene.bed().state().rested.size());
+void LoopTelemetry::copyParts(SceneSnapshot& snapshot, const Scene& scene, std::size_t first_part,
+                              std::size_t last_part) noexcept {
+  for (std::size_t part = first_part; part < last_part; ++part) {
+    copyPart(snapshot, scene, part);
+  }
+}
+
+void LoopTelemetry::copyPart(SceneSnapshot& snapshot, const Scene& scene, std::size_t part) noexcept {
+  const std::size_t groups = scene.bed().state().rested.size();
+  const std::size_t first_group = groups * part / kTicksPerSnapshot;
+  const std::size_t last_group = groups * (part + 1) / kTicksPerSnapshot;
   HAPTO_ASSERT(snapshot.position.size() >= scene.bed().particles());
   HAPTO_ASSERT(snapshot.asleep.size() >= last_group);
   HAPTO_ASSERT(snapshot.stones.size() == scene.bed().stones().size());
   const Bed& bed = scene.bed();
   const std::size_t first = first_group * kGroup;
   const std::size_t last = std::min(last_group * kGroup, bed.particles());
-  std::copy_n(bed.state().position.data() + first, last - first, snapshot.position.data() + first);
   for (std::size_t group = first_group; group < last_group; ++group) {
-    snapshot.asleep[group] = bed.state().asleep(group) ? 1 : 0;
+    if (bed.changed(group) > snapshot.copied_at[part]) {
+      const std::size_t of_group = std::min(kGroup, last - group * kGroup);
+      std::copy_n(bed.state().position.data() + group * kGroup, of_group, snapshot.position.data() + group * kGroup);
+      snapshot.asleep[group] = bed.state().asleep(group) ? 1 : 0;
+    }
   }
+  snapshot.copied_at[part] = bed.changes();
   if (last_group == bed.state().rested.size()) {  // few: all with the last part
     for (std::size_t stone = 0; stone < snapshot.stones.size(); ++stone) {
       snapshot.stones[stone] = bed.stones().pose(stone);

@@ -50,7 +50,7 @@ class LoopTelemetry {
   template <class Rest>
   void publishLast(ShownScene& shown, const LoopClock& clock, const Rest& rest) noexcept {
     SceneSnapshot& snapshot = shown.snapshots.draft();
-    copyGroups(snapshot, shown.scene, 0, shown.scene.bed().state().rested.size());
+    copyParts(snapshot, shown.scene, 0, kTicksPerSnapshot);
     tell(snapshot, clock, statistics_.ticks());
     rest(snapshot);
     shown.snapshots.publish();
@@ -68,7 +68,8 @@ class LoopTelemetry {
 
  private:
   [[nodiscard]] SceneSnapshot* copyPart(ShownScene& shown) noexcept;
-  static void copyGroups(SceneSnapshot& snapshot, const Scene& scene, std::size_t first, std::size_t last) noexcept;
+  static void copyParts(SceneSnapshot& snapshot, const Scene& scene, std::size_t first, std::size_t last) noexcept;
+  static void copyPart(SceneSnapshot& snapshot, const Scene& scene, std::size_t part) noexcept;
   void tell(SceneSnapshot& snapshot, const LoopClock& clock, std::uint64_t ticks) noexcept;
 
   double tick_s_;

@@ -10,7 +10,10 @@ SceneSnapshot firstSnapshot(const Scene& scene) {
   snapshot.position.assign(bed.state().position.begin(),
                            bed.state().position.begin() + static_cast<std::ptrdiff_t>(bed.particles()));
   snapshot.stones = bed.stones().poses();
-  snapshot.asleep.resize(bed.state().rested.size());
+  for (std::size_t group = 0; group < bed.state().rested.size(); ++group) {
+    snapshot.asleep.push_back(bed.state().asleep(group) ? 1 : 0);
+  }
+  snapshot.copied_at.fill(bed.changes());
   snapshot.awake = bed.awake();
   return snapshot;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,8 +11,11 @@
 
 namespace haptolith {
 
+/// Ticks between two snapshots: 62 a second at 1 kHz.
+inline constexpr std::size_t kTicksPerSnapshot = 16;
+
 /// A picture of the scene for viewers, about 60 times a second. Each tick copies a part of a large bed, so
-/// that no tick is long: its first particles are then 15 ticks older than its last.
+/// that no tick is long: its first particles are then 15 ticks older than its last. Only what has changed is copied.
 struct SceneSnapshot {
   double time_s = 0;
   Pose scene_T_tool;
@@ -31,6 +35,7 @@ struct SceneSnapshot {
   bool paused = false;
   SafetyTrip trip = SafetyTrip::kNone;  ///< why the hand feels nothing just now
   std::uint32_t trips = 0;              ///< so far
+  std::array<std::uint64_t, kTicksPerSnapshot> copied_at{};  ///< Bed::changes() when each part was copied
 };
 
 /// A scene as a loop shows it: with the place where its pictures are handed over.
