@@ -109,6 +109,7 @@ void runWhatIsElsewhere(int argc, char** argv) {
     return;
   }
   const fs::path file = workbench(asked->name);
+  printPosted();
   execv(file.c_str(), argv);
   throw Failure(fmt::format("cannot start {}: {}", file.string(), std::strerror(errno)));
 }

@@ -123,7 +123,7 @@ def test_wrong_keys_say_what_would_be_right():
     assert isinstance(raised.value, ValueError)
     assert str(pickle.loads(pickle.dumps(raised.value))) == str(raised.value)
     with pytest.raises(hp.InvalidParameter, match="did you mean"):
-        hp.Scene("papr")
+        hp.Scene("sandbax")
     with pytest.raises(TypeError):
         hp.Scene("icra2021", bed__threads=object())
     with pytest.raises(hp.InvalidParameter):

@@ -313,7 +313,8 @@ void addProfile(CLI::App& icra2021) {
       "Examples:\n"
       "  haptolith soil icra2021 profile --preset P3\n"
       "  haptolith soil icra2021 profile --preset P3 --body Mars --figure p3-on-mars.svg\n"
-      "  haptolith soil icra2021 profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 --mu-hat 0.342");
+      "  haptolith soil icra2021 profile --gamma-nm 4e-5 --rho0-kg-m3 1330 --rho-max-kg-m3 1824 \\\n"
+      "    --mu-hat 0.342");
   command->callback([options] { runProfile(*options); });
 }
 

@@ -37,8 +37,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kStudyFigureExamples = R"(Examples:
   haptolith study figure friction.study --figure friction.svg
-  haptolith study figure both.study --figure figure.png     figure-friction.png and figure-gravity.png
-  haptolith study figure friction.study --json              print numbers only
+  haptolith study figure both.study --figure out.png     out-friction.png and out-gravity.png
+  haptolith study figure friction.study --json           print numbers only
 
 With several participants, the first result is the population median from a hierarchical model.
 Models and coverage of their intervals: docs/reference/psychometrics.md)";

@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kIdealObserverExamples = R"(Examples:
   haptolith study ideal-observer                             all stimuli: some minutes
-  haptolith study ideal-observer --block gravity --friction-model icra2021 --motion stir --repeats 10
+  haptolith study ideal-observer --block gravity --friction-model icra2021 --motion stir
   haptolith study ideal-observer --csv explorations.csv --figure forces.png --weber-figure weber.png
   haptolith study ideal-observer --protocol buried-stone     information in force and in view
 

@@ -16,9 +16,10 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kOperatorExamples = R"(Examples:
-  haptolith teleop robot                                         simulate a robot, in another terminal
-  haptolith teleop operator --connect 127.0.0.1:7410             control it, in scene teleop-model
-  haptolith teleop operator --connect 127.0.0.1:7400 regolith    over haptolith teleop link)";
+  haptolith teleop robot                                simulate a robot, in another terminal
+  haptolith teleop operator --connect 127.0.0.1:7410    control it, in scene teleop-model
+  haptolith teleop operator regolith --connect 127.0.0.1:7400
+                                                        over haptolith teleop link)";
 
 struct OperatorOptions {
   std::string robot;  ///< HOST:PORT

@@ -31,7 +31,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kTeleopRobotExamples = R"(Examples:
-  haptolith teleop robot                                robot in scene teleop-site, at 127.0.0.1:7410
+  haptolith teleop robot                                robot in teleop-site, at 127.0.0.1:7410
   haptolith teleop operator --connect 127.0.0.1:7410    control it, in another terminal
   haptolith teleop robot regolith --max-force-n 20
   haptolith teleop robot --listen 0.0.0.0:7410 --key-file teleop.key

@@ -82,8 +82,8 @@ void useCurrentKeys(toml::table& table, std::string_view name,
       useCurrentKeys(*part, key.str(), current);
     } else if (toml::array* parts = node.as_array()) {
       for (toml::node& element : *parts) {
-        if (toml::table* part = element.as_table()) {
-          useCurrentKeys(*part, key.str(), current);
+        if (toml::table* one = element.as_table()) {
+          useCurrentKeys(*one, key.str(), current);
         }
       }
     }
