@@ -7,6 +7,8 @@ target_compile_options(haptolith_flags INTERFACE
   # Results are bit-identical in every build: contraction to FMA happens only where the source requests it.
   -ffp-contract=off
   $<$<BOOL:${HAPTOLITH_WERROR}>:-Werror>)
+# Eigen's vectors sum in another order on each processor.
+target_compile_definitions(haptolith_flags INTERFACE EIGEN_DONT_VECTORIZE)
 if(HAPTOLITH_SANITIZE)
   target_compile_options(haptolith_flags INTERFACE
     -fsanitize=${HAPTOLITH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all

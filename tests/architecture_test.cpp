@@ -24,7 +24,8 @@ using Folders = std::set<std::string>;
 
 // Targets of each folder's arrow. It may also include everything that those include, and itself.
 const std::map<std::string, Folders> kArrows = {
-    {"core", {}},
+    {"core/math", {}},
+    {"core", {"core/math"}},
     {"core/process", {"core"}},
     {"core/files", {"core/process"}},
     {"figure", {"core/files"}},
@@ -200,8 +201,8 @@ TEST(Architecture, TheCheckLetsArrowsAndTheirArrowsPass) {
 }
 
 TEST(Architecture, DevicesKnowNoSoil) {
-  EXPECT_THAT(mayInclude("device/drivers"),
-              ElementsAre("core", "core/files", "core/process", "device", "device/drivers", "device/hand"));
+  EXPECT_THAT(mayInclude("device/drivers"), ElementsAre("core", "core/files", "core/math", "core/process", "device",
+                                                        "device/drivers", "device/hand"));
   EXPECT_EQ(violationsIn("device", "#include \"haptolith/soil/presets.h\"\n").size(), 1U);
 }
 

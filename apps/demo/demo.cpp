@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/bed/start/ready_tile.h"
 #include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
@@ -151,29 +152,6 @@ std::string outcomeOf(SceneFile scene_file, int ticks) {
   const std::uint64_t state = scene.bed().hash();
   fold(&state, sizeof state);
   return fmt::format("0x{:x} {:.1f}", hash, 1e6 * took_s / ticks);
-}
-
-/// Returns the hash of the soil in each tick of a cut along a path without functions of the C library, so that it is
-/// equal on every machine, as in tests/scene_file/golden_test.cpp.
-std::string outcomeOfCut(const SceneFile& scene_file, int ticks) {
-  Scene scene(scene_file.bed, scene_file.tool);
-  const double surface_m = scene.bed().surfaceHeight();
-  std::uint64_t hash = 0;
-  for (int tick = 0; tick <= ticks; ++tick) {
-    const double share = static_cast<double>(tick) / ticks;
-    HandState hand;
-    hand.pose.position_m = Vec3(0.04 * share - 0.02, 0, surface_m + 0.01 - 0.025 * share);
-    if (tick == 0) {
-      scene.placeTool(hand);
-      continue;
-    }
-    if (scene.tick(hand) != StepStatus::kOk) {
-      throw Failure("the bed did not bear it");
-    }
-    const std::uint64_t state = scene.bed().hash();
-    hash = XXH3_64bits_withSeed(&state, sizeof state, hash);
-  }
-  return fmt::format("0x{:x}", hash);
 }
 
 /// Runs `work`; stores the reason of a failure in `told`, empty on success.
@@ -339,14 +317,16 @@ EMSCRIPTEN_KEEPALIVE double demoTakeFile(const char* bytes, std::size_t size) {
   return page().brought(std::string(bytes, size));
 }
 
+EMSCRIPTEN_KEEPALIVE const char* demoArithmetic() {
+  return haptolith::arithmetic();
+}
+
 /// Returns the hash of tests/scene_file/golden_test.cpp for a scene's text after a number of ticks, and the duration of
-/// one in us; with `cut` that of its straight cut. On failure the reason.
-EMSCRIPTEN_KEEPALIVE const char* demoOutcome(const char* scene, int ticks, bool cut) {
+/// one in us. On failure the reason.
+EMSCRIPTEN_KEEPALIVE const char* demoOutcome(const char* scene, int ticks) {
   std::string outcome;
-  const char* failed = haptolith::demo::tell([&] {
-    const haptolith::SceneFile scene_file = haptolith::loadSceneFileText(scene, "scene");
-    outcome = cut ? haptolith::demo::outcomeOfCut(scene_file, ticks) : haptolith::demo::outcomeOf(scene_file, ticks);
-  });
+  const char* failed = haptolith::demo::tell(
+      [&] { outcome = haptolith::demo::outcomeOf(haptolith::loadSceneFileText(scene, "scene"), ticks); });
   if (*failed == '\0') {
     haptolith::demo::told = outcome;
   }

@@ -17,6 +17,7 @@
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/bed/start/ready_tile.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/arithmetic-inl.h"
 #include "haptolith/device/drivers/open_device.h"
 
 // Linux functions missing in emscripten's C library. They are optional here, so they may fail.
@@ -85,6 +86,10 @@ std::vector<DeviceReport> findDevices(const DeviceParameters& /*parameters*/) {
 
 const char* simdTarget() noexcept {
   return hwy::TargetName(HWY_TARGET);
+}
+
+const char* arithmetic() noexcept {
+  return HWY_NAMESPACE::kFused ? "fused" : "unfused";
 }
 
 }  // namespace haptolith

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptolith/bed/stone_contact.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/soil/soil_parameters.h"
 #include "haptolith/stone/stone_shape.h"
 

@@ -17,7 +17,7 @@
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 
 namespace haptolith {
 namespace {

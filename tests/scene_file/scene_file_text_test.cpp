@@ -12,7 +12,7 @@
 #include <string>
 
 #include "haptolith/core/base64.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/scene_file/scene_file.h"
 #include "haptolith/scene_file/scene_file_keys.h"
 #include "haptolith/scene_file/toml/toml_error.h"

@@ -55,7 +55,7 @@ void ContactLists::setSlip(std::size_t i, std::uint32_t s, const Slip& slip) noe
   x[2 * kGroup] = slip.z;
   const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
   if ((bits(slip.x) | bits(slip.y) | bits(slip.z)) != 0) {  // a negative zero counts: it must also be cleared
-    std::uint16_t& touched = touched_[i / kGroup];
+    std::uint16_t& touched = touched_[i / kGroup][i % kGroup / 4];
     touched = std::max(touched, static_cast<std::uint16_t>(s + 1));
   }
 }
@@ -119,7 +119,7 @@ void ContactLists::clear() noexcept {
       emptyRow(first_row_[group] + row);
     }
     rows_[group] = 0;
-    touched_[group] = 0;
+    touched_[group] = {};
     near_[group] = {};
   }
   std::ranges::fill(count_, std::uint16_t{0});

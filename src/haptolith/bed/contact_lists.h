@@ -22,11 +22,14 @@ struct Slip {
   float x = 0, y = 0, z = 0;
 };
 
+/// Numbers of rows for each quarter of a group: vectors of 4, 8 and 16 particles cover one, two and four of them.
+using QuarterRows = std::array<std::uint16_t, kGroup / 4>;
+
 /// Inner list of a group (dynamic pruning): the rows that can come into contact before the next pruning pass, and the
 /// pass that found them. See Bed.
 struct InnerRows {
   std::uint64_t pruning_pass = 0;  ///< 0: out of date, the lists of the group have changed
-  std::uint32_t rows = 0;
+  QuarterRows rows{};
 };
 
 /// Neighbour (Verlet) lists of all particles, and the slip of each contact.
@@ -80,8 +83,8 @@ class ContactLists {
   [[nodiscard]] const float* slips() const noexcept { return slip_.data(); }
   [[nodiscard]] const std::uint32_t* firstRows() const noexcept { return first_row_.data(); }
   [[nodiscard]] const std::uint16_t* rowCounts() const noexcept { return rows_.data(); }
-  /// Number of each group's rows that may hold slip; rows after them are zero. Code that writes slips() maintains it.
-  [[nodiscard]] std::uint16_t* touchedRows() noexcept { return touched_.data(); }
+  /// Number of rows of each group that may hold slip; rows after them are zero. Code that writes slips() maintains it.
+  [[nodiscard]] QuarterRows* touchedRows() noexcept { return touched_.data(); }
   /// Inner rows of each group; not part of the saved state. The step maintains it.
   [[nodiscard]] InnerRows* innerRows() noexcept { return near_.data(); }
   [[nodiscard]] std::size_t groups() const noexcept { return rows_.size(); }
@@ -113,7 +116,7 @@ class ContactLists {
   FloatArray slip_;
   std::vector<std::uint32_t> first_row_;  // one for each group
   std::vector<std::uint16_t> rows_;       // length of the group's longest list
-  std::vector<std::uint16_t> touched_;
+  std::vector<QuarterRows> touched_;
   std::vector<InnerRows> near_;
   std::vector<std::uint8_t> room_;    // which of kRooms it has
   std::vector<std::uint16_t> count_;  // one for each particle

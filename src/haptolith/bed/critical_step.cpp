@@ -12,6 +12,7 @@
 #include "haptolith/bed/grain_classes.h"
 #include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 
 namespace haptolith {
 
@@ -93,9 +94,9 @@ double stiffestFor(const SoilParameters& soil, double tool_stiffness_n_m, double
   const double mass_kg = macroparticleMass(soil);
   if (soil.friction == FrictionModel::kContact) {
     const double q = Contacts(soil).largest(tool_stiffness_n_m / mass_kg / (steps_per_s * steps_per_s));
-    return std::pow(q * steps_per_s, 2) * mass_kg;
+    return portable::square(q * steps_per_s) * mass_kg;
   }
-  return (std::pow(steps_per_s * kPaperPhase, 2) * mass_kg - tool_stiffness_n_m) / 10;
+  return (portable::square(steps_per_s * kPaperPhase) * mass_kg - tool_stiffness_n_m) / 10;
 }
 
 }  // namespace
@@ -149,10 +150,10 @@ double sizeOfUnion(std::vector<StoneSphere> spheres) {
     });
     if (!touches) {
       apart.push_back(sphere);
-      cubes_m3 += std::pow(sphere.radius_m, 3);
+      cubes_m3 += portable::cube(sphere.radius_m);
     }
   }
-  return 2 * std::cbrt(cubes_m3);
+  return 2 * portable::cbrt(cubes_m3);
 }
 
 /// The placed stones, and of those at random places the smallest and the largest.

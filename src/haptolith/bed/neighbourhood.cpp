@@ -63,7 +63,7 @@ std::uint32_t selectNearIn(const Float4* HWY_RESTRICT place, const Periods& peri
       reach = hn::IfThenElse(other.w < hn::Set(d, rule.classes.finerThan(c)), reach - less, reach);
     }
     const auto ids = hn::LoadU(di, candidates + n);
-    const auto near = hn::And(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, dz * dz)) < reach * reach,
+    const auto near = hn::And(MulAdd(dx, dx, MulAdd(dy, dy, dz * dz)) < reach * reach,
                               hn::RebindMask(d, hn::Ne(ids, hn::Set(di, self))));
     found += static_cast<std::uint32_t>(hn::CompressStore(ids, hn::RebindMask(di, near), di, out + found));
   }

@@ -12,8 +12,6 @@ namespace {
 
 namespace law = HWY_NAMESPACE;
 
-constexpr double kTiny = 1e-40;  // negligible against the square of any stretch
-
 law::LawOf<double> repulsionOf(const ContactLaw& of) {
   return {of.gamma_nm, of.a_min_m, of.a_thr_m, of.h_n, of.stiffness_n_m};
 }
@@ -100,11 +98,11 @@ Vec3 StoneContactLaw::force(const Overlap& overlap, const Vec3& relative_m_s, do
   const double damped = contact.normal - damping_ * law::rootOfStiffness(repulsion, a) * overlap.steepness * parting;
   const double push = overlap.steepness * std::max(damped, std::min(contact.normal, 0.0));  // damping never pulls
   const Vec3 sliding = relative_m_s - parting * n;
-  const law::FrictionOf<double> friction{dt_s, -tangential_n_m_, lag_s_, 1, kTiny};
+  const law::FrictionOf<double> friction{dt_s, -tangential_n_m_, lag_s_};
   law::Triple<double> stretch{stretch_m.x(), stretch_m.y(), stretch_m.z()};
-  const law::Triple<double> drag =
-      law::frictionForce<double>(friction, friction_ * overlap.steepness * contact.compression / tangential_n_m_,
-                                 {n.x(), n.y(), n.z()}, {sliding.x(), sliding.y(), sliding.z()}, stretch);
+  const law::Triple<double> drag = law::frictionForce<double>(
+      friction, law::Touches(), friction_ * overlap.steepness * contact.compression / tangential_n_m_,
+      {n.x(), n.y(), n.z()}, {sliding.x(), sliding.y(), sliding.z()}, stretch);
   stretch_m = {stretch.x, stretch.y, stretch.z};
   return push * n + Vec3(drag.x, drag.y, drag.z);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "haptolith/core/assert.h"
+#include "haptolith/core/turn.h"
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
@@ -11,7 +12,7 @@ namespace haptolith {
   if (share == 1) {
     return to;
   }
-  return {from.position_m + share * (to.position_m - from.position_m), from.orientation.slerp(share, to.orientation)};
+  return {from.position_m + share * (to.position_m - from.position_m), slerp(from.orientation, to.orientation, share)};
 }
 
 }  // namespace haptolith

@@ -1,6 +1,7 @@
 #include "haptolith/core/movement.h"
 
 #include "haptolith/core/assert.h"
+#include "haptolith/core/turn.h"
 
 namespace haptolith {
 
@@ -9,7 +10,7 @@ Quat turnedBy(const Vec3& rotation, const Quat& orientation) noexcept {
   if (angle == 0) {
     return orientation;
   }
-  return (Quat(Eigen::AngleAxisd(angle, rotation / angle)) * orientation).normalized();
+  return (turnAbout(rotation / angle, angle) * orientation).normalized();
 }
 
 Vec3 atMost(double largest, const Vec3& v) noexcept {
@@ -19,8 +20,7 @@ Vec3 atMost(double largest, const Vec3& v) noexcept {
 }
 
 Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept {
-  const Eigen::AngleAxisd turn((to * from.conjugate()).normalized());
-  return turn.angle() > EIGEN_PI ? Vec3((turn.angle() - 2 * EIGEN_PI) * turn.axis()) : Vec3(turn.angle() * turn.axis());
+  return rotationVector((to * from.conjugate()).normalized());
 }
 
 Movement movement(const Pose& from, const Pose& to, double tick_s) noexcept {

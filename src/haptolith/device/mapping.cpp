@@ -1,17 +1,13 @@
 #include "haptolith/device/mapping.h"
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/turn.h"
 
 namespace haptolith {
 
 namespace {
 /// Duration of the force's return after the clutch.
 constexpr double kClutchFade_s = 0.2;
-
-Quat turnOf(const Vec3& angles_rad) {
-  return Eigen::AngleAxisd(angles_rad.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(angles_rad.y(), Vec3::UnitY()) *
-         Eigen::AngleAxisd(angles_rad.x(), Vec3::UnitX());
-}
 
 }  // namespace
 
@@ -29,7 +25,7 @@ void validate(const MappingParameters& mapping) {
 
 Mapping::Mapping(const MappingParameters& parameters, const DeviceLimits& device, double tick_s)
     : mapping_(parameters),
-      turn_(turnOf(parameters.turn_rad) * turnOf(device.turn_rad)),
+      turn_(turnAboutXyz(parameters.turn_rad) * turnAboutXyz(device.turn_rad)),
       anchor_device_m_(device.workspace_centre_m),
       anchor_scene_m_(parameters.offset_m),
       tick_s_(tick_s) {

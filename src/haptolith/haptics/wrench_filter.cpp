@@ -5,6 +5,7 @@
 
 #include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/core/movement.h"
 
 namespace haptolith {
@@ -22,7 +23,7 @@ constexpr double kQuick_hz = 6;
 /// Share of the way to its input that a first-order low-pass goes in one tick: the step-invariant discretisation.
 double lowPassShare(double cutoff_hz, double tick_s) {
   HAPTO_ASSERT(cutoff_hz > 0 && tick_s > 0);
-  return 1 - std::exp(-2 * std::numbers::pi * cutoff_hz * tick_s);
+  return 1 - portable::exp(-2 * std::numbers::pi * cutoff_hz * tick_s);
 }
 
 double checkedShare(double cutoff_hz, double tick_s) {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <random>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 
 namespace haptolith {
 

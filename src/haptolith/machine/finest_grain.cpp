@@ -12,6 +12,7 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/histogram.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/core/process/start_thread.h"
 #include "haptolith/haptics/loop/loop_clock.h"
 #include "haptolith/haptics/real_time.h"
@@ -58,8 +59,8 @@ HandState stirring(const Scene& scene, double surface_m, double time_s) {
   const double into_s = down_m / kEnter_m_s;
   const double angle = std::max(0.0, time_s - into_s) * kStir_m_s / reach_m;
   HandState hand;
-  hand.pose.position_m =
-      Vec3(reach_m * std::cos(angle), reach_m * std::sin(angle), surface_m - down_m * std::min(1.0, time_s / into_s));
+  hand.pose.position_m = Vec3(reach_m * portable::cos(angle), reach_m * portable::sin(angle),
+                              surface_m - down_m * std::min(1.0, time_s / into_s));
   return hand;
 }
 

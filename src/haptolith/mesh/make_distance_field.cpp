@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/core/process/in_parallel.h"
 #include "haptolith/core/process/stop_asked.h"
 #include "haptolith/mesh/distance_field.h"
@@ -434,9 +435,9 @@ DistanceField makeDistanceField(const MendedMesh& mended, const DistanceFieldOpt
     int fits = kMostWider;
     while (fits - too_fine > 1) {
       const int middle = (fits + too_fine) / 2;
-      (maker.plan(options.spacing_m * std::pow(kWider, middle)) ? fits : too_fine) = middle;
+      (maker.plan(options.spacing_m * portable::pow(kWider, middle)) ? fits : too_fine) = middle;
     }
-    spacing_m = options.spacing_m * std::pow(kWider, fits);
+    spacing_m = options.spacing_m * portable::pow(kWider, fits);
     const double most_mib = static_cast<double>(options.most_bytes) / (1 << 20);
     if (!maker.plan(spacing_m) || spacing_m > widest_m) {
       throw InvalidParameter("spacing_m", fmt::format("{:.3g}", options.spacing_m),

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/strength.h"
 
@@ -121,7 +122,7 @@ SoilParameters withSlider(SoilParameters soil, std::string_view key, double valu
   } else if (key == kFrictionAngle) {
     // (paper 18) has friction in it: cohesion is kept as it was.
     const double kept_pa = icra2021Cohesion(soil);
-    soil.mu_hat = modelFriction(std::tan(value * kDegree));
+    soil.mu_hat = modelFriction(portable::tan(value * kDegree));
     soil.gamma_nm *= kept_pa > 0 ? kept_pa / icra2021Cohesion(soil) : 1;
   } else if (key == kCohesion) {
     soil.gamma_nm *= value / icra2021Cohesion(soil);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/layers.h"
 #include "haptolith/soil/lunar_density.h"
@@ -59,7 +60,7 @@ SoilParameters unitSoil(SoilParameters soil) {
 
 /// The largest gamma for which a spring k is still stiffer than the hyperbola at 2R, see makeContactLaw().
 double mostGamma(const SoilParameters& soil, double stiffness_n_m) {
-  return stiffness_n_m * std::pow(2 * soil.radius_m - makeContactLaw(unitSoil(soil)).a_min_m, 2);
+  return stiffness_n_m * portable::square(2 * soil.radius_m - makeContactLaw(unitSoil(soil)).a_min_m);
 }
 
 /// The stiffness a bed of this soil has to do with: the target's, or when that is infinite the paper's.

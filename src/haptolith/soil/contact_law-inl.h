@@ -11,9 +11,7 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
-#include <cmath>
-
+#include "haptolith/core/math/arithmetic-inl.h"
 #include "haptolith/soil/contact_law.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,78 +28,6 @@ template <class Real>
 struct CohesionOf {
   Real largest, two_per_range, zero, one;
 };
-
-// Highway's functions for single numbers, so that one expression serves both.
-inline double Max(double a, double b) {
-  return std::max(a, b);
-}
-inline float Max(float a, float b) {
-  return std::max(a, b);
-}
-inline double Min(double a, double b) {
-  return std::min(a, b);
-}
-inline float Min(float a, float b) {
-  return std::min(a, b);
-}
-
-inline double MulAdd(double a, double b, double c) {
-  return a * b + c;
-}
-inline float MulAdd(float a, float b, float c) {
-  return a * b + c;
-}
-inline double MulSub(double a, double b, double c) {
-  return a * b - c;
-}
-inline float MulSub(float a, float b, float c) {
-  return a * b - c;
-}
-inline double NegMulAdd(double a, double b, double c) {
-  return c - a * b;
-}
-inline float NegMulAdd(float a, float b, float c) {
-  return c - a * b;
-}
-inline double Inverse(double a) {
-  return 1 / a;
-}
-inline float Inverse(float a) {
-  return 1 / a;
-}
-inline double InverseSqrt(double a) {
-  return 1 / std::sqrt(a);
-}
-inline float InverseSqrt(float a) {
-  return 1 / std::sqrt(a);
-}
-
-/// Newton's steps that take the processor's first guess (8 bits on NEON, 12 on SSE4 and AVX2, 14 on AVX-512) to 2e-7 or
-/// better: a third of the time of a division or a root.
-inline constexpr int kNewtonSteps = HWY_ARCH_ARM ? 2 : 1;
-
-template <class V>
-HWY_INLINE V Inverse(V a) {
-  const hwy::HWY_NAMESPACE::DFromV<V> d;
-  const V two = hwy::HWY_NAMESPACE::Set(d, 2);
-  V guess = hwy::HWY_NAMESPACE::ApproximateReciprocal(a);
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    guess = guess * hwy::HWY_NAMESPACE::NegMulAdd(a, guess, two);
-  }
-  return guess;
-}
-
-template <class V>
-HWY_INLINE V InverseSqrt(V a) {
-  const hwy::HWY_NAMESPACE::DFromV<V> d;
-  const V half = hwy::HWY_NAMESPACE::Set(d, 0.5F);
-  V guess = hwy::HWY_NAMESPACE::ApproximateReciprocalSqrt(a);
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    const V error = hwy::HWY_NAMESPACE::NegMulAdd(a * guess, guess * half, half);
-    guess = hwy::HWY_NAMESPACE::MulAdd(guess, error, guess);
-  }
-  return guess;
-}
 
 /// F(a) without its cutoff (paper 7). Both branches in one expression: below a_thr the hyperbola is held at a_thr and
 /// the line k (a_thr - a) is added; above it the line is zero.

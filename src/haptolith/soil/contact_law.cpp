@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/soil/contact_law-inl.h"
 
 namespace haptolith {
@@ -34,7 +35,7 @@ ContactLaw makeContactLaw(const SoilParameters& soil) {
     // Softer than the hyperbola at 2R, and the line would begin outside the particles. Just as stiff (to rounding) is a
     // linear spring.
     constexpr double kRounding = 1e-9;
-    const double softest = soil.gamma_nm / std::pow(diameter - law.a_min_m, 2) * (1 - kRounding);
+    const double softest = soil.gamma_nm / portable::square(diameter - law.a_min_m) * (1 - kRounding);
     if (!(soil.stiffness_n_m >= softest)) {
       throw InvalidParameter("stiffness_n_m", fmt::format("{:g}", soil.stiffness_n_m),
                              fmt::format(">= {:.5g} for macroparticles of {:g} mm (gamma_nm = {:g}); give it with "
@@ -78,7 +79,7 @@ HWY_NAMESPACE::CohesionOf<double> cohesionOf(const ContactLaw& law) noexcept {
 double hyperbolaEnergy(const ContactLaw& law, double a_m, double end_m) noexcept {
   const double held = std::max(a_m, law.a_thr_m);
   const double hyperbola =
-      law.gamma_nm * std::log((end_m - law.a_min_m) / (held - law.a_min_m)) - law.h_n * (end_m - held);
+      law.gamma_nm * portable::log((end_m - law.a_min_m) / (held - law.a_min_m)) - law.h_n * (end_m - held);
   const double line = held - a_m;
   return hyperbola + HWY_NAMESPACE::uncutContactForce(repulsionOf(law), held) * line +
          law.stiffness_n_m / 2 * line * line;

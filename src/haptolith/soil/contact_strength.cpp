@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "haptolith/core/find_root.h"
+#include "haptolith/core/math/portable_math.h"
 
 namespace haptolith {
 
@@ -44,7 +45,7 @@ std::size_t cellOf(const std::array<double, kKnots>& knots, double x) {
 
 /// Strength of a contact of another size at the same stress: as R^2.
 double sizeFactor(const SoilParameters& soil) {
-  return std::pow(soil.radius_m / kTabulatedRadius_m, 2);
+  return portable::square(soil.radius_m / kTabulatedRadius_m);
 }
 
 ContactStrength contactOf(const SoilParameters& soil) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/soil/contact_law.h"
 
 namespace haptolith {
@@ -58,7 +59,7 @@ double closestDistance(const Lattice& lattice, double load_n) {
   // k finite: flattening the lattice turns the contacts sideways faster than the spring stiffens, so what they carry
   // has a maximum. On the line F = c - k a it is where d/db (b (c/a - k)) = 0, that is a^3 = c 4R^2/(3k).
   const double c = contactForce(law, law.a_thr_m) + law.stiffness_n_m * law.a_thr_m;
-  return std::cbrt(c * lattice.offsetSquared() / law.stiffness_n_m);
+  return portable::cbrt(c * lattice.offsetSquared() / law.stiffness_n_m);
 }
 
 /// The root of (paper 6) for the layer under `layer` others.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 
 namespace haptolith {
 
@@ -23,14 +24,14 @@ constexpr std::array kMeasuredBands{
 // Integral of rho from the surface to z, in kg/m^2.
 double massAbove(double z) {
   const double u = kPerMetre * z + 1;
-  return kSurfaceDensity * z + kKappa * (u * std::log(u) - u + 1) / kPerMetre;
+  return kSurfaceDensity * z + kKappa * (u * portable::log(u) - u + 1) / kPerMetre;
 }
 
 }  // namespace
 
 double lunarBulkDensity(double depth_m) {
   requireInRange("depth_m", depth_m, {0, kLunarLawDepthM});
-  return kSurfaceDensity + kKappa * std::log(kPerMetre * depth_m + 1);
+  return kSurfaceDensity + kKappa * portable::log(kPerMetre * depth_m + 1);
 }
 
 double lunarMeanBulkDensity(double top_m, double bottom_m) {

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 
 namespace haptolith {
 
@@ -31,7 +32,7 @@ void validate(const SoilParameters& soil) {
 }
 
 double macroparticleMass(const SoilParameters& soil) {
-  return 4 * std::sqrt(2.0) * soil.rho0_kg_m3 * std::pow(soil.radius_m, 3);
+  return 4 * std::sqrt(2.0) * soil.rho0_kg_m3 * portable::cube(soil.radius_m);
 }
 
 SoilParameters rescaled(SoilParameters soil, double radius_m) {

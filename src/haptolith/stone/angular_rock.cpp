@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/portable_math.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/stone/filling.h"
 #include "haptolith/stone/stone_shape.h"
 
@@ -234,7 +235,7 @@ StoneShape angularRock(double size_m, std::uint64_t seed) {
   for (const Vec3& point : mesh.points_m) {
     largest = std::max(largest, point.norm());
   }
-  const double size = std::cbrt(6 * volume / std::numbers::pi);
+  const double size = portable::cbrt(6 * volume / std::numbers::pi);
   const DepthInSolid depth = [&](const Vec3& point, double most) { return std::min(most, rock.depth(point)); };
   std::vector<StoneSphere> spheres = fillWithSpheres(
       spreadOver(mesh, kSurfacePoints), depth,

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "haptolith/core/math/portable_math.h"
+
 namespace haptolith {
 
 namespace {
@@ -188,8 +190,8 @@ StoneShape scaledTo(StoneShape stone, double size_m) {
   for (Vec3& point_m : stone.shown.points_m) {
     point_m *= larger;
   }
-  stone.volume_m3 *= std::pow(larger, 3);
-  stone.inertia_m5 *= std::pow(larger, 5);
+  stone.volume_m3 *= portable::cube(larger);
+  stone.inertia_m5 *= portable::cube(larger) * larger * larger;
   stone.reach_m *= larger;
   return stone;
 }

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <utility>
 
+#include "haptolith/core/math/portable_math.h"
+
 namespace haptolith {
 
 namespace {
@@ -80,8 +82,8 @@ Moments momentsOf(const std::vector<StoneSphere>& spheres) {
       const double y = low.y() + (j + 0.5) * cell.y();
       inside.clear();
       for (const StoneSphere& sphere : passed) {
-        const double half2 = sphere.radius_m * sphere.radius_m - std::pow(sphere.centre_m.y() - y, 2) -
-                             std::pow(sphere.centre_m.z() - z, 2);
+        const double half2 = sphere.radius_m * sphere.radius_m - portable::square(sphere.centre_m.y() - y) -
+                             portable::square(sphere.centre_m.z() - z);
         if (half2 > 0) {
           inside.emplace_back(sphere.centre_m.x() - std::sqrt(half2), sphere.centre_m.x() + std::sqrt(half2));
         }
@@ -127,13 +129,13 @@ Matrix3 principalAxes(const Matrix3& inertia) {
 }
 
 double ballVolume(double radius_m) {
-  return 4.0 / 3 * std::numbers::pi * std::pow(radius_m, 3);
+  return 4.0 / 3 * std::numbers::pi * portable::cube(radius_m);
 }
 
 }  // namespace
 
 double StoneShape::radius() const noexcept {
-  return std::cbrt(volume_m3 * 3 / (4 * std::numbers::pi));
+  return portable::cbrt(volume_m3 * 3 / (4 * std::numbers::pi));
 }
 
 StoneShape makeStoneShape(std::vector<StoneSphere> spheres, TriangleMesh shown) {

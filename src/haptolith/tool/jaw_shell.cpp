@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "haptolith/core/assert.h"
+#include "haptolith/core/math/portable_math.h"
 
 namespace haptolith {
 
@@ -15,8 +16,8 @@ JawShell::JawShell(const ToolParameters& tool, int side) noexcept
       bend_rad_(tool.jaw_bend_rad),
       radius_m_(bend_rad_ > 0 ? tool.size_m.x() / bend_rad_ : 0) {
   if (bend_rad_ > 0) {
-    cosine_ = std::cos(bend_rad_ / 2);
-    sine_ = std::sin(bend_rad_ / 2);
+    cosine_ = portable::cos(bend_rad_ / 2);
+    sine_ = portable::sin(bend_rad_ / 2);
     axis_x_m_ = end_x_m_ - side_ * radius_m_ * cosine_;
     const double outer_m = radius_m_ + tool.size_m.z() / 2;
     farthest_x_m_ = side_ * axis_x_m_ + outer_m;
@@ -30,9 +31,9 @@ JawShell::Place JawShell::flattened(const Vec3& tool_m) const noexcept {
     return {Vec3(tool_m.z(), tool_m.y(), tool_m.x() - end_x_m_), 1, 0};
   }
   const double out_m = side_ * (tool_m.x() - axis_x_m_);  // from the axis, seen towards the jaw
-  const double theta = std::atan2(tool_m.z(), out_m);
+  const double theta = portable::atan2(tool_m.z(), out_m);
   if (std::abs(theta) <= bend_rad_ / 2) {
-    const double r_m = std::hypot(out_m, tool_m.z());
+    const double r_m = portable::hypot(out_m, tool_m.z());
     const double cosine = r_m > 0 ? out_m / r_m : 1;
     const double sine = r_m > 0 ? tool_m.z() / r_m : 0;
     return {Vec3(radius_m_ * theta, tool_m.y(), side_ * (r_m - radius_m_)), cosine, sine};
@@ -60,7 +61,7 @@ Vec3 JawShell::onTool(const Vec3& flat_m) const noexcept {
   }
   const double theta = flat_m.x() / radius_m_;
   const double r_m = radius_m_ + side_ * flat_m.z();
-  return {axis_x_m_ + side_ * r_m * std::cos(theta), flat_m.y(), r_m * std::sin(theta)};
+  return {axis_x_m_ + side_ * r_m * portable::cos(theta), flat_m.y(), r_m * portable::sin(theta)};
 }
 
 }  // namespace haptolith

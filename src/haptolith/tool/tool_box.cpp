@@ -24,10 +24,10 @@ std::uint32_t nearBoxOf(const ToolBox& box, float reach_m, const Float4* group) 
     V squared = hn::Zero(d);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto& a = box.axes[axis];
-      const V along = hn::MulAdd(x, hn::Set(d, a[0]), hn::MulAdd(y, hn::Set(d, a[1]), z * hn::Set(d, a[2])));
+      const V along = MulAdd(x, hn::Set(d, a[0]), MulAdd(y, hn::Set(d, a[1]), z * hn::Set(d, a[2])));
       const V outside =
-          hn::Max(hn::Abs(along - hn::Set(d, box.middle_m[axis])) - hn::Set(d, box.half_edges_m[axis]), hn::Zero(d));
-      squared = hn::MulAdd(outside, outside, squared);
+          Max(hn::Abs(along - hn::Set(d, box.middle_m[axis])) - hn::Set(d, box.half_edges_m[axis]), hn::Zero(d));
+      squared = MulAdd(outside, outside, squared);
     }
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, squared <= hn::Set(d, reach_m * reach_m), bits);

@@ -77,7 +77,7 @@ class FrictionalTool {
         reach_m_(tool.adhesion_n > 0 ? soil.cohesion_range_ratio * scale * soil.radius_m : 0),
         adhesion_{scale * scale * tool.adhesion_n, 2 / (soil.cohesion_range_ratio * scale * soil.radius_m), 0, 1},
         tangential_stiffness_(soil.tangential_ratio * stiffness_),
-        friction_{dt_s, -tangential_stiffness_, tool.damping_factor * dt_s / 2, 1, kTiny} {}
+        friction_{dt_s, -tangential_stiffness_, tool.damping_factor * dt_s / 2} {}
 
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
 
@@ -99,8 +99,8 @@ class FrictionalTool {
 
     const Vec3 sliding = -meeting.approach() + closing * n;  // velocity of the particle along the tool
     law::Triple<double> slip{slip_m.x(), slip_m.y(), slip_m.z()};
-    const law::Triple<double> drag = law::frictionForce<double>(friction_, slack_m, {n.x(), n.y(), n.z()},
-                                                                {sliding.x(), sliding.y(), sliding.z()}, slip);
+    const law::Triple<double> drag = law::frictionForce<double>(
+        friction_, law::Touches(), slack_m, {n.x(), n.y(), n.z()}, {sliding.x(), sliding.y(), sliding.z()}, slip);
     slip_m = {slip.x, slip.y, slip.z};
     Answer answer;
     answer.on_particle_n = (push - adhesion.pull) * n + Vec3(drag.x, drag.y, drag.z);
@@ -117,7 +117,6 @@ class FrictionalTool {
   }
 
  private:
-  static constexpr double kTiny = 1e-40;
   static constexpr double kSticks =
       0.99;  // square of the friction over its limit; what rounding may take from one that slides
 

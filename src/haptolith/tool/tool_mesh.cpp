@@ -11,6 +11,7 @@
 
 #include "haptolith/core/files/input_file.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/turn.h"
 #include "haptolith/mesh/shown_surface.h"
 
 namespace haptolith {
@@ -32,12 +33,6 @@ double bandFor(double reach_m) {
                          fmt::format("small enough that particles touch a mesh from at most {:g} m", kMostMeshReach_m));
 }
 
-Eigen::Matrix3d turned(const Vec3& turn_rad) {
-  using Axis = Eigen::AngleAxisd;
-  return (Axis(turn_rad.z(), Vec3::UnitZ()) * Axis(turn_rad.y(), Vec3::UnitY()) * Axis(turn_rad.x(), Vec3::UnitX()))
-      .toRotationMatrix();
-}
-
 /// Runs a step of the construction; its errors name the file.
 template <class Step>
 auto ofFile(const std::string& name, Step step) {
@@ -54,7 +49,7 @@ std::shared_ptr<const ToolMesh> make(const ToolMeshSource& source, double band_m
   TriangleMesh mesh = parseMesh(*source.bytes, source.name, source.format, {.unit_m = source.unit_m}, &report);
   const MeshCorners corners = cornersOf(mesh);
   const Vec3 origin_m = source.origin_m.value_or((corners.low_m + corners.high_m) / 2);
-  const Eigen::Matrix3d turn = turned(source.turn_rad);
+  const Eigen::Matrix3d turn = turnAboutXyz(source.turn_rad).toRotationMatrix();
   for (Vec3& point_m : mesh.points_m) {
     point_m = turn * (point_m - origin_m);
   }

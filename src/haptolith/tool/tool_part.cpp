@@ -8,6 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "haptolith/core/math/portable_math.h"
+#include "haptolith/core/turn.h"
+
 namespace haptolith {
 
 namespace {
@@ -39,7 +42,7 @@ Solid turned(double low_m, double high_m, const std::vector<std::pair<double, do
   for (const auto& [radius_m, z_m] : radius_and_z_m) {
     for (int side = 0; side < kSides; ++side) {
       const double angle = 2 * std::numbers::pi * side / kSides;
-      solid.points_m.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), z_m);
+      solid.points_m.emplace_back(radius_m * portable::cos(angle), radius_m * portable::sin(angle), z_m);
     }
   }
   const auto at = [](int ring, int side) { return 2 + ring * kSides + side % kSides; };
@@ -64,7 +67,7 @@ Solid solidOf(const ToolPart& part) {
   std::vector<std::pair<double, double>> rings;
   for (int ring = 1; ring < kRings; ++ring) {
     const double angle = std::numbers::pi * (static_cast<double>(ring) / kRings - 0.5);
-    rings.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle));
+    rings.emplace_back(radius_m * portable::cos(angle), radius_m * portable::sin(angle));
   }
   return turned(-radius_m, radius_m, rings);
 }
@@ -97,9 +100,7 @@ std::string drawn(std::span<const ToolPart> parts) {
   for (const ToolPart& part : parts) {
     validate(part);
     const Solid solid = solidOf(part);
-    const Quat turn = Eigen::AngleAxisd(part.turn_rad.z(), Vec3::UnitZ()) *
-                      Eigen::AngleAxisd(part.turn_rad.y(), Vec3::UnitY()) *
-                      Eigen::AngleAxisd(part.turn_rad.x(), Vec3::UnitX());
+    const Quat turn = turnAboutXyz(part.turn_rad);
     for (const Vec3& point_m : solid.points_m) {
       const Vec3 at_mm = 1e3 * (turn * point_m + part.at_m);
       fmt::format_to(std::back_inserter(text), "v {:.5f} {:.5f} {:.5f}\n", at_mm.x(), at_mm.y(), at_mm.z());

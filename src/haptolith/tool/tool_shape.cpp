@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "haptolith/core/assert.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/tool/jaw_shell.h"
 #include "haptolith/tool/mesh_contact.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -33,7 +34,7 @@ Outline boxOutline(const Vec3& half_m, const Vec3& centre_m) {
 
 Outline discOutline(double radius_m, const Vec3& centre_m) {
   HAPTO_ASSERT(radius_m >= 0);
-  const double from_axis = std::hypot(centre_m.x(), centre_m.y());
+  const double from_axis = portable::hypot(centre_m.x(), centre_m.y());
   Outline outline;
   outline.inside_m = radius_m - from_axis;
   outline.outward = from_axis > 0 ? Vec3(centre_m.x() / from_axis, centre_m.y() / from_axis, 0) : Vec3::UnitX();
@@ -57,14 +58,15 @@ Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius
   HAPTO_ASSERT(tool.diameter_m > 0);
   const double rim = tool.diameter_m / 2;
   const double half_angle = tool.cone_angle_rad / 2;
-  const double height = rim / std::tan(half_angle);
+  const double height = rim / portable::tan(half_angle);
   const double top = std::max(height, tool.length_m);
-  const Eigen::Vector2d centre(std::hypot(centre_m.x(), centre_m.y()), centre_m.z());
+  const Eigen::Vector2d centre(portable::hypot(centre_m.x(), centre_m.y()), centre_m.z());
   const Vec3 radial = centre.x() > 0 ? Vec3(centre_m.x() / centre.x(), centre_m.y() / centre.x(), 0) : Vec3::UnitX();
 
-  const Eigen::Vector2d along(std::sin(half_angle), std::cos(half_angle));  // from the point up the cone's side
-  const Eigen::Vector2d out(std::cos(half_angle), -std::sin(half_angle));
-  const double slant = height / std::cos(half_angle);
+  const Eigen::Vector2d along(portable::sin(half_angle),
+                              portable::cos(half_angle));  // from the point up the cone's side
+  const Eigen::Vector2d out(portable::cos(half_angle), -portable::sin(half_angle));
+  const double slant = height / portable::cos(half_angle);
   const Eigen::Vector2d on_cone = std::clamp(centre.dot(along), 0.0, slant) * along;
   const Eigen::Vector2d on_shaft(rim, std::clamp(centre.y(), height, top));
   const bool shaft_nearer = (centre - on_shaft).squaredNorm() < (centre - on_cone).squaredNorm();
@@ -81,7 +83,7 @@ Penetration cone(const ToolParameters& tool, const Vec3& centre_m, double radius
 Penetration tube(const ToolParameters& tool, const Vec3& centre_m, double radius_m) {
   HAPTO_ASSERT(tool.thickness_m > 0);
   HAPTO_ASSERT(tool.diameter_m > 0);
-  const double from_axis = std::hypot(centre_m.x(), centre_m.y());
+  const double from_axis = portable::hypot(centre_m.x(), centre_m.y());
   const Vec3 radial = from_axis > 0 ? Vec3(centre_m.x() / from_axis, centre_m.y() / from_axis, 0) : Vec3::UnitX();
   Vec3 in_wall = tool.diameter_m / 2 * radial;
   in_wall.z() = std::clamp(centre_m.z(), -tool.length_m / 2, tool.length_m / 2);
@@ -201,12 +203,12 @@ double enclosingRadius(const ToolParameters& tool) noexcept {
   switch (tool.shape) {
     case ToolShape::kBox: return tool.size_m.norm() / 2;
     case ToolShape::kSphere: return tool.diameter_m / 2;
-    case ToolShape::kPlate: return std::hypot(tool.diameter_m, tool.thickness_m) / 2;
-    case ToolShape::kCylinder: return std::hypot(tool.diameter_m, tool.length_m) / 2;
+    case ToolShape::kPlate: return portable::hypot(tool.diameter_m, tool.thickness_m) / 2;
+    case ToolShape::kCylinder: return portable::hypot(tool.diameter_m, tool.length_m) / 2;
     case ToolShape::kCone:
-      return std::hypot(tool.diameter_m / 2,
-                        std::max(tool.length_m, tool.diameter_m / 2 / std::tan(tool.cone_angle_rad / 2)));
-    case ToolShape::kTube: return std::hypot(tool.diameter_m, tool.length_m) / 2 + tool.thickness_m / 2;
+      return portable::hypot(tool.diameter_m / 2,
+                             std::max(tool.length_m, tool.diameter_m / 2 / portable::tan(tool.cone_angle_rad / 2)));
+    case ToolShape::kTube: return portable::hypot(tool.diameter_m, tool.length_m) / 2 + tool.thickness_m / 2;
     case ToolShape::kJaws: return cornersOf(tool).high_m.norm();
     case ToolShape::kMesh: return tool.mesh->field.enclosingRadius();
   }
@@ -221,7 +223,8 @@ ToolCorners cornersOf(const ToolParameters& tool) noexcept {
     case ToolShape::kSphere: return around({r, r, r});
     case ToolShape::kPlate: return around({r, r, tool.thickness_m / 2});
     case ToolShape::kCylinder: return around({r, r, tool.length_m / 2});
-    case ToolShape::kCone: return {{-r, -r, 0}, {r, r, std::max(tool.length_m, r / std::tan(tool.cone_angle_rad / 2))}};
+    case ToolShape::kCone:
+      return {{-r, -r, 0}, {r, r, std::max(tool.length_m, r / portable::tan(tool.cone_angle_rad / 2))}};
     case ToolShape::kTube: {
       const double outer = r + tool.thickness_m / 2;
       return around({outer, outer, (tool.length_m + tool.thickness_m) / 2});

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/tool/jaw_shell.h"
 #include "haptolith/tool/tool_mesh.h"
 
@@ -44,7 +45,7 @@ ToolSurface turned(const std::vector<OutlinePoint>& outline) {
     first.push_back(static_cast<std::int32_t>(surface.points_tool_m.size()));
     for (int segment = 0; segment < (radius_m > 0 ? kSegments : 1); ++segment) {
       const double angle = 2 * std::numbers::pi * segment / kSegments;
-      surface.points_tool_m.emplace_back(radius_m * std::cos(angle), radius_m * std::sin(angle), z_m);
+      surface.points_tool_m.emplace_back(radius_m * portable::cos(angle), radius_m * portable::sin(angle), z_m);
     }
   }
   const bool closed = outline.front().radius_m > 0;
@@ -70,7 +71,7 @@ std::vector<OutlinePoint> sphereOutline(double radius_m) {
   std::vector<OutlinePoint> outline{{0, -radius_m}};
   for (int i = 1; i < kParallels; ++i) {
     const double angle = std::numbers::pi * i / kParallels;
-    outline.push_back({radius_m * std::sin(angle), -radius_m * std::cos(angle)});
+    outline.push_back({radius_m * portable::sin(angle), -radius_m * portable::cos(angle)});
   }
   outline.push_back({0, radius_m});
   return outline;
@@ -82,7 +83,7 @@ std::vector<OutlinePoint> cylinderOutline(double rim_m, double half_height_m) {
 
 std::vector<OutlinePoint> coneOutline(const ToolParameters& tool) {
   const double rim_m = tool.diameter_m / 2;
-  const double height_m = rim_m / std::tan(tool.cone_angle_rad / 2);
+  const double height_m = rim_m / portable::tan(tool.cone_angle_rad / 2);
   std::vector<OutlinePoint> outline{{0, 0}, {rim_m, height_m}};
   if (tool.length_m > height_m) {
     outline.push_back({rim_m, tool.length_m});
@@ -99,8 +100,8 @@ std::vector<OutlinePoint> tubeOutline(const ToolParameters& tool) {
   for (const int end : {1, -1}) {
     for (int i = 0; i <= kHalfCircle; ++i) {
       const double angle = std::numbers::pi * i / kHalfCircle;
-      outline.push_back({std::max(tool.diameter_m / 2 + end * wall_m * std::cos(angle), wall_m * 1e-6),
-                         end * (tool.length_m / 2 + wall_m * std::sin(angle))});
+      outline.push_back({std::max(tool.diameter_m / 2 + end * wall_m * portable::cos(angle), wall_m * 1e-6),
+                         end * (tool.length_m / 2 + wall_m * portable::sin(angle))});
     }
   }
   return outline;

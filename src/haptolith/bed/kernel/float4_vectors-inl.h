@@ -12,6 +12,7 @@
 
 #include "haptolith/bed/bed_state.h"
 #include "haptolith/bed/contact_lists.h"
+#include "haptolith/core/math/arithmetic-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace haptolith::HWY_NAMESPACE {

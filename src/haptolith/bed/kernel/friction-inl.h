@@ -38,8 +38,38 @@ struct FrictionOf {
   Real dt;
   Real minus_stiffness;  ///< -k_t, N/m
   Real lag;              ///< c_t / k_t, s
-  Real one, tiny;        ///< 1, and a square that is negligible against any stretch's, m^2
 };
+
+/// One body against one other: it touches it.
+struct Touches {};
+
+/// Factor that shortens what is longer than `reach` to it. @param squared  square of its length.
+template <class Real>
+HWY_INLINE Real shareWithin(Touches, Real reach, Real squared) {
+  return squared > reach * reach ? reach / std::sqrt(squared) : Real{1};
+}
+/// As above for a vector; lanes that are not `touching` are not shortened. Most contacts stick: where none of a vector
+/// slides, it needs no root.
+template <class Mask, class V>
+HWY_INLINE V shareWithin(Mask touching, V reach, V squared) {
+  const hwy::HWY_NAMESPACE::DFromV<V> d;
+  const V one = hwy::HWY_NAMESPACE::Set(d, 1);
+  const auto slides = hwy::HWY_NAMESPACE::And(touching, squared > reach * reach);
+  if (hwy::HWY_NAMESPACE::AllFalse(d, slides)) {
+    return one;
+  }
+  return hwy::HWY_NAMESPACE::IfThenElse(slides, reach / hwy::HWY_NAMESPACE::Sqrt(squared), one);
+}
+
+/// What is left of a part of the stretch: nothing in lanes that do not touch.
+template <class Real>
+HWY_INLINE Real kept(Touches, Real stretch) {
+  return stretch;
+}
+template <class Mask, class V>
+HWY_INLINE V kept(Mask touching, V stretch) {
+  return hwy::HWY_NAMESPACE::IfThenElseZero(touching, stretch);
+}
 
 /// The first half of frictionForce(): xi after a step of sliding, whatever the limit.
 template <class Real>
@@ -50,20 +80,15 @@ HWY_INLINE Triple<Real> stretched(const FrictionOf<Real>& friction, const Triple
 }
 
 /// The second half: the force, within the limit, as the stretch is then.
-/// @param kept  kept(xi) is what remains of each part of the stretch: nothing in lanes whose bodies do not touch.
-template <class Real, class Kept>
-HWY_INLINE Triple<Real> heldFriction(const FrictionOf<Real>& friction, Real reach, const Triple<Real>& slip,
-                                     Triple<Real>& stretch, const Kept& kept) {
-  // Factor that limits a stretch to the reach.
-  const auto share = [&](const Triple<Real>& of) {
-    const Real squared = MulAdd(of.x, of.x, MulAdd(of.y, of.y, MulAdd(of.z, of.z, friction.tiny)));
-    return Min(reach * InverseSqrt(squared), friction.one);
-  };
-  const Real held = share(stretch);
-  stretch = {kept(stretch.x * held), kept(stretch.y * held), kept(stretch.z * held)};
+/// @param touching  Touches, or the mask of lanes whose bodies touch: in others nothing remains of the stretch.
+template <class Real, class Touching>
+HWY_INLINE Triple<Real> heldFriction(const FrictionOf<Real>& friction, Touching touching, Real reach,
+                                     const Triple<Real>& slip, Triple<Real>& stretch) {
+  const Real held = shareWithin(touching, reach, dot(stretch, stretch));
+  stretch = {kept(touching, stretch.x * held), kept(touching, stretch.y * held), kept(touching, stretch.z * held)};
   const Triple<Real> wanted{MulAdd(slip.x, friction.lag, stretch.x), MulAdd(slip.y, friction.lag, stretch.y),
                             MulAdd(slip.z, friction.lag, stretch.z)};  // -F_t / k_t
-  const Real force = friction.minus_stiffness * share(wanted);
+  const Real force = friction.minus_stiffness * shareWithin(touching, reach, dot(wanted, wanted));
   return {wanted.x * force, wanted.y * force, wanted.z * force};
 }
 
@@ -79,14 +104,15 @@ HWY_INLINE Triple<Real> heldFriction(const FrictionOf<Real>& friction, Real reac
 /// went in.
 ///
 /// Every term changes its sign with n, v and xi, so what the second body works out for itself is the exact opposite.
+/// @param touching  Touches, or the mask of lanes whose bodies touch.
 /// @param reach     limit / k_t, how far the spring alone can be stretched, in m.
 /// @param slip      v_t, velocity of the first against the second, without its part along n.
 /// @param stretch   xi, read and written.
-template <class Real>
-HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Real reach, const Triple<Real>& n,
-                                      const Triple<Real>& slip, Triple<Real>& stretch) {
+template <class Real, class Touching>
+HWY_INLINE Triple<Real> frictionForce(const FrictionOf<Real>& friction, Touching touching, Real reach,
+                                      const Triple<Real>& n, const Triple<Real>& slip, Triple<Real>& stretch) {
   stretch = stretched(friction, n, slip, stretch);
-  return heldFriction(friction, reach, slip, stretch, [](Real xi) HWY_ATTR { return xi; });
+  return heldFriction(friction, touching, reach, slip, stretch);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

@@ -3,14 +3,15 @@
 //
 // A row is the s-th neighbour of each of 16 particles (ContactLists). It passes four stages:
 //
-//   stage            loads                 computes                              hands on          registers
-//   gather           positions x_j         x_i - x_j, sum of the size excesses   PairGeometry       6
-//   relativeMotion   velocities v_j        distance a, normal n, v_i - v_j       PairMotion         7
-//   normalForce      slips xi              F_n with damping, xi + v_t dt, limit  NormalContact     12
-//   tangentialForce  -                     F_t; stores xi within the limit       Sums               5
+//   stage            loads                 computes                              hands on
+//   gather           positions x_j         x_i - x_j, sum of the size excesses   PairGeometry
+//   relativeMotion   velocities v_j        distance a, normal n, v_i - v_j       PairMotion
+//   normalForce      slips xi              F_n with damping, xi + v_t dt, limit  NormalContact
+//   tangentialForce  -                     F_t; stores xi within the limit       Sums
 //
 // Each stage waits for the one before, and a row takes twice as long as a processor looks ahead. So frictionalSums()
-// keeps four rows in flight, each one stage behind the next: 30 vectors, in 32 registers with AVX-512 and NEON.
+// keeps three rows in flight: before the friction of one it has the motion of the next and the positions of the one
+// after that.
 
 #if defined(HAPTOLITH_FRICTIONAL_CONTACTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_FRICTIONAL_CONTACTS_INL_H_
@@ -67,7 +68,7 @@ struct PairLaw {
   PairLaw(const ContactFrictionLaw& scalar, float dt, float ratio, float inner_skin_m)
       : law(lawOf(scalar.normal)),
         cohesion{set(ratio * scalar.cohesion), set(scalar.two_per_range), hn::Zero(D()), set(1)},
-        friction{set(dt), set(-scalar.stiffness), set(scalar.lag), set(1), set(1e-30F)},
+        friction{set(dt), set(-scalar.stiffness), set(scalar.lag)},
         cutoff(set(scalar.normal.cutoff)),
         inner_cutoff(set(scalar.normal.cutoff + inner_skin_m)),
         diameter(set(scalar.normal.diameter)),
@@ -102,8 +103,8 @@ struct PairLaw {
   /// c is zeta times the critical damping of the pair's stiffness -dF/da at `a` (rootOfStiffness()).
   /// @param normal  F_n, repulsion positive, N. @param parting  v_n, positive when separating, m/s.
   HWY_INLINE V damped(V normal, V a, V parting) const {
-    const V with_damping = hn::NegMulAdd(damping * rootOfStiffness(law, a), parting, normal);
-    return hn::Max(with_damping, hn::Min(normal, cohesion.zero));
+    const V with_damping = NegMulAdd(damping * rootOfStiffness(law, a), parting, normal);
+    return Max(with_damping, Min(normal, cohesion.zero));
   }
 
   struct PairDistance {
@@ -117,6 +118,17 @@ struct PairLaw {
       a = a - diameter_deficit;
     }
     return {distance.inverse, a};
+  }
+
+  /// Whether any pair may be nearer than `limit`, without a root: rounding may add one that is not, and leaves out
+  /// none.
+  template <bool kGraded>
+  HWY_INLINE bool mayBeWithin(const PairGeometry& pair, V limit) const {
+    V distance = limit + pair.excess;
+    if constexpr (kGraded) {
+      distance = distance + diameter_deficit;
+    }
+    return !hn::AllFalse(D(), pair.separation.squared < distance * distance * set(1.00001F));
   }
 
   template <bool kGraded>
@@ -149,9 +161,9 @@ struct PairLaw {
       group.sums.repulsion = group.sums.repulsion + hn::IfThenElseZero(pair.a < cutoff, contact.compression);
     }
     const V parting = dot(pair.relative, pair.normal);
-    const Triple<V> sliding{hn::NegMulAdd(parting, pair.normal.x, pair.relative.x),
-                            hn::NegMulAdd(parting, pair.normal.y, pair.relative.y),
-                            hn::NegMulAdd(parting, pair.normal.z, pair.relative.z)};
+    const Triple<V> sliding{NegMulAdd(parting, pair.normal.x, pair.relative.x),
+                            NegMulAdd(parting, pair.normal.y, pair.relative.y),
+                            NegMulAdd(parting, pair.normal.z, pair.relative.z)};
     return {pair.normal,
             sliding,
             stretched(friction, pair.normal, sliding, stretch),
@@ -164,16 +176,15 @@ struct PairLaw {
     const D d;
     const auto touching = on.a < cutoff;
     Triple<V> stretch = on.stretch;
-    const Triple<V> drag = heldFriction(friction, on.reach, on.sliding, stretch,
-                                        [&](V xi) HWY_ATTR { return hn::IfThenElseZero(touching, xi); });
+    const Triple<V> drag = heldFriction(friction, touching, on.reach, on.sliding, stretch);
     float* HWY_RESTRICT slip = group.rows.slips(row);
     hn::Store(stretch.x, d, slip);
     hn::Store(stretch.y, d, slip + kGroup);
     hn::Store(stretch.z, d, slip + 2 * kGroup);
     Sums& sums = group.sums;
-    sums.x = sums.x + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.normal.x, drag.x));
-    sums.y = sums.y + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.normal.y, drag.y));
-    sums.z = sums.z + hn::IfThenElseZero(touching, hn::MulAdd(on.push, on.normal.z, drag.z));
+    sums.x = sums.x + hn::IfThenElseZero(touching, MulAdd(on.push, on.normal.x, drag.x));
+    sums.y = sums.y + hn::IfThenElseZero(touching, MulAdd(on.push, on.normal.y, drag.y));
+    sums.z = sums.z + hn::IfThenElseZero(touching, MulAdd(on.push, on.normal.z, drag.z));
   }
 
   /// Particles next to a wall.
@@ -209,17 +220,17 @@ struct PairLaw {
     own.largest = ratio * cohesion.largest;
     const CohesiveContact<V> contact = cohesiveContact(law, own, diameter, a);
     Triple<V> slip{hn::Load(d, at.slip_1), hn::Load(d, at.slip_2), zero};
-    const Triple<V> drag = frictionForce(friction, ratio * sliding_per_n * contact.compression, {zero, zero, set(1)},
-                                         {at.along_1, at.along_2, zero}, slip);
-    hn::Store(hn::IfThenElseZero(near, slip.x), d, at.slip_1);
-    hn::Store(hn::IfThenElseZero(near, slip.y), d, at.slip_2);
+    const Triple<V> drag = frictionForce(friction, near, ratio * sliding_per_n * contact.compression,
+                                         {zero, zero, set(1)}, {at.along_1, at.along_2, zero}, slip);
+    hn::Store(slip.x, d, at.slip_1);
+    hn::Store(slip.y, d, at.slip_2);
     return {hn::IfThenElseZero(near, damped(contact.normal, a, at.away + at.away)), hn::IfThenElseZero(near, drag.x),
             hn::IfThenElseZero(near, drag.y)};
   }
 };
 
-/// Rows in flight at once, one for each stage.
-constexpr std::size_t kRowsInFlight = 4;
+/// Rows whose law is asked for at the same time.
+constexpr std::size_t kRowsInFlight = 2;
 
 /// Laws of grains of one class with all classes.
 struct LawsOfClass {
@@ -364,43 +375,35 @@ HWY_INLINE Sums frictionalSums(const GroupLaws& laws, const PeriodsOf& periods, 
   const V zero = hn::Zero(d);
   Group group{Rows(arrays, at), here, v, at, 0, {zero, zero, zero, zero, zero}};
   RowLaws<kGraded> of(laws);
-  std::uint16_t& touched = arrays.touched[at.group];
+  QuarterRows& touched = arrays.touched[at.group];
   // Behind those that touched, as most rows at the end of lists that have the nearest first, distances will do.
-  std::size_t rows = HWY_MIN(std::size_t{touched}, at.rows);
+  std::size_t rows = HWY_MIN(rowsOf(touched, at.in_group), at.rows);
   for (std::size_t row = rows; row < at.rows; ++row) {
     const PairGeometry pair = gather<kPeriodic>(group, periods, row);
     const auto& law = of.row(row, pair);
-    const V a = law.template distanceIn<kGraded>(pair).a;
-    if (at.pruning != nullptr && !hn::AllFalse(d, a < law.inner_cutoff)) {
+    if (at.pruning != nullptr && law.template mayBeWithin<kGraded>(pair, law.inner_cutoff)) {
       keepInInnerList(at, row);
     }
-    rows = hn::AllFalse(d, a < law.cutoff) ? rows : row + 1;
+    rows = law.template mayBeWithin<kGraded>(pair, law.cutoff) ? row + 1 : rows;
   }
   if (rows == 0) {
     return group.sums;
   }
-  rows = HWY_MAX(rows, std::size_t{3});  // there is room for them, if with ghosts only
-  PairGeometry pair = gather<kPeriodic>(group, periods, 0);
+  const auto gathered = [&](std::size_t row)
+                            HWY_ATTR { return gather<kPeriodic>(group, periods, HWY_MIN(row, rows - 1)); };
+  PairGeometry pair = gathered(0);
   PairMotion motion = of.row(0, pair).template relativeMotion<kGraded>(group, 0, pair);
-  pair = gather<kPeriodic>(group, periods, 1);
-  NormalContact contact = of.row(0).template normalForce<kCompression>(group, 0, motion);
-  motion = of.row(1, pair).template relativeMotion<kGraded>(group, 1, pair);
-  pair = gather<kPeriodic>(group, periods, 2);
-  for (std::size_t row = 3; row < rows; ++row) {
-    of.row(row - 3).tangentialForce(group, row - 3, contact);
-    contact = of.row(row - 2).template normalForce<kCompression>(group, row - 2, motion);
-    motion = of.row(row - 1, pair).template relativeMotion<kGraded>(group, row - 1, pair);
-    pair = gather<kPeriodic>(group, periods, row);
+  pair = gathered(1);
+  for (std::size_t row = 0; row + 1 < rows; ++row) {
+    const NormalContact contact = of.row(row).template normalForce<kCompression>(group, row, motion);
+    motion = of.row(row + 1, pair).template relativeMotion<kGraded>(group, row + 1, pair);
+    pair = gathered(row + 2);
+    of.row(row).tangentialForce(group, row, contact);
   }
-  of.row(rows - 3).tangentialForce(group, rows - 3, contact);
-  contact = of.row(rows - 2).template normalForce<kCompression>(group, rows - 2, motion);
-  motion = of.row(rows - 1, pair).template relativeMotion<kGraded>(group, rows - 1, pair);
-  of.row(rows - 2).tangentialForce(group, rows - 2, contact);
-  contact = of.row(rows - 1).template normalForce<kCompression>(group, rows - 1, motion);
-  of.row(rows - 1).tangentialForce(group, rows - 1, contact);
+  const PairLaw& last = of.row(rows - 1);
+  last.tangentialForce(group, rows - 1, last.template normalForce<kCompression>(group, rows - 1, motion));
   const std::size_t now_touched = at.pruning != nullptr ? group.last_touched : rows;
-  // If a group is several vectors, the rows of the others stay recorded.
-  touched = static_cast<std::uint16_t>(hn::Lanes(d) == kGroup ? now_touched : HWY_MAX(now_touched, touched));
+  setRows(touched, at.in_group, hn::Lanes(d) >= 4 ? now_touched : HWY_MAX(now_touched, rowsOf(touched, at.in_group)));
   return group.sums;
 }
 

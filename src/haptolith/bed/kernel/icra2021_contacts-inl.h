@@ -45,10 +45,10 @@ struct Icra2021Contacts {
       }
       const V force = hn::IfThenElseZero(a.metres < cutoff, uncutContactForce(law, a.metres));
       const V per_metre = force * a.inverse;
-      sums.x = hn::MulAdd(per_metre, d.x, sums.x);
-      sums.y = hn::MulAdd(per_metre, d.y, sums.y);
-      sums.z = hn::MulAdd(per_metre, d.z, sums.z);
-      sums.repulsion = sums.repulsion + hn::Max(force, zero);
+      sums.x = MulAdd(per_metre, d.x, sums.x);
+      sums.y = MulAdd(per_metre, d.y, sums.y);
+      sums.z = MulAdd(per_metre, d.z, sums.z);
+      sums.repulsion = sums.repulsion + Max(force, zero);
       sums.contacts = sums.contacts + hn::IfThenElseZero(a.metres < diameter, one);
     }
     return sums;
@@ -63,7 +63,7 @@ struct Icra2021Contacts {
       return;
     }
     const V push = hn::IfThenElseZero(touches, uncutContactForce(law, a));
-    force = hn::MulAdd(sign, push, force);
+    force = MulAdd(sign, push, force);
     sums.repulsion = sums.repulsion + push;
     sums.contacts = sums.contacts + hn::IfThenElseZero(touches, set(1));
   }

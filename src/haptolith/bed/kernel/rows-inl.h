@@ -65,6 +65,24 @@ class Rows {
   const Float4 *position_, *velocity_;
 };
 
+// Quarters of a group that a vector covers; vectors of one particle share one.
+constexpr std::size_t kQuarters = HWY_MAX(hn::MaxLanes(D()) / 4, 1);
+
+/// Number of rows of a vector: the most of its quarters.
+HWY_INLINE std::size_t rowsOf(const QuarterRows& rows, std::size_t in_group) {
+  std::size_t most = 0;
+  for (std::size_t quarter = in_group / 4; quarter < in_group / 4 + kQuarters; ++quarter) {
+    most = HWY_MAX(most, std::size_t{rows[quarter]});
+  }
+  return most;
+}
+
+HWY_INLINE void setRows(QuarterRows& rows, std::size_t in_group, std::size_t count) {
+  for (std::size_t quarter = in_group / 4; quarter < in_group / 4 + kQuarters; ++quarter) {
+    rows[quarter] = static_cast<std::uint16_t>(count);
+  }
+}
+
 /// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1. Groups whose
 /// inner list is older than `pruning_pass` compute all rows and rebuild it.
 template <class Each>
@@ -75,41 +93,29 @@ HWY_INLINE void forEachVector(const StepArrays& arrays, std::uint64_t pruning_pa
     const std::size_t next = arrays.groups != nullptr ? arrays.groups[k + 1] : k + 1;
     InnerRows* const inner = arrays.inner != nullptr ? arrays.inner + group : nullptr;
     const bool known = inner != nullptr && inner->pruning_pass == pruning_pass;
-    Lanes at{group, 0, next, known ? inner->rows : arrays.rows[group], known ? nullptr : inner};
+    Lanes at{group, 0, next, arrays.rows[group], known ? nullptr : inner};
     if (at.pruning != nullptr) {
-      *inner = {pruning_pass, 0};
+      *inner = {pruning_pass, {}};
     }
     for (; at.in_group < kGroup; at.in_group += hn::Lanes(D())) {
+      at.rows = known ? rowsOf(inner->rows, at.in_group) : at.rows;
       each(at);
     }
   }
 }
 
-/// Extends the group's inner list to `row`.
+/// Extends the vector's inner list to `row`.
 HWY_INLINE void keepInInnerList(const Lanes& at, std::size_t row) {
-  at.pruning->rows = HWY_MAX(at.pruning->rows, static_cast<std::uint32_t>(row + 1));
+  setRows(at.pruning->rows, at.in_group, HWY_MAX(rowsOf(at.pruning->rows, at.in_group), row + 1));
 }
 
-/// A distance and its inverse from its square, the distance to within 1 ulp, because the contact law amplifies its
-/// error: Goldschmidt's step from the processor's first guess, and one more for the distance where that has 12 bits.
+/// A distance and its inverse from its square.
 struct Distance {
   V metres, inverse;
 };
 HWY_INLINE Distance distanceOf(V squared) {
-  const V half = set(0.5F);
-  const V guess = hn::ApproximateReciprocalSqrt(squared);
-  V metres = squared * guess;
-  V half_inverse = guess * half;
-  for (int i = 0; i < kNewtonSteps; ++i) {
-    const V error = hn::NegMulAdd(metres, half_inverse, half);
-    metres = hn::MulAdd(metres, error, metres);
-    half_inverse = hn::MulAdd(half_inverse, error, half_inverse);
-  }
-  constexpr bool kGoodGuess = HWY_TARGET <= HWY_AVX3 || HWY_ARCH_ARM;  // better targets have smaller numbers
-  if constexpr (!kGoodGuess) {
-    metres = hn::MulAdd(hn::NegMulAdd(metres, metres, squared), half_inverse, metres);
-  }
-  return {metres, half_inverse + half_inverse};
+  const V metres = hn::Sqrt(squared);
+  return {metres, Inverse(metres)};
 }
 
 struct PeriodsOf {
@@ -128,7 +134,7 @@ HWY_INLINE Separation separationOf(const PeriodsOf& periods, const Float4Vectors
   const V y = nearestImage<kPeriodic>(here.y - other.y, periods.length, periods.per_length);
   const V z = here.z - other.z;
   const V tiny = set(1e-24F);  // two centres in one point repel nowhere, instead of 0/0
-  return {x, y, z, hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, tiny)))};
+  return {x, y, z, MulAdd(x, x, MulAdd(y, y, MulAdd(z, z, tiny)))};
 }
 
 /// Forces of the neighbours, N; sum of repulsion, N; number of overlaps.

@@ -5,6 +5,7 @@
 #define HWY_TARGET_INCLUDE "haptolith/bed/kernel/simd_target.cpp"
 #include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
+#include "haptolith/core/math/arithmetic-inl.h"
 // clang-format on
 
 #include <cstdlib>
@@ -19,6 +20,10 @@ const char* targetName() {
   return hwy::TargetName(HWY_TARGET);
 }
 
+const char* nameOfArithmetic() {
+  return kFused ? "fused" : "unfused";
+}
+
 }  // namespace haptolith::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -26,9 +31,18 @@ HWY_AFTER_NAMESPACE();
 namespace haptolith {
 
 HWY_EXPORT(targetName);
+HWY_EXPORT(nameOfArithmetic);
 
 const char* simdTarget() noexcept {
   return HWY_DYNAMIC_DISPATCH(targetName)();
+}
+
+const char* arithmetic() noexcept {
+  return HWY_DYNAMIC_DISPATCH(nameOfArithmetic)();
+}
+
+std::string targetsWith(std::string_view arithmetic) {
+  return arithmetic == "unfused" ? "HAPTOLITH_SIMD=SSE4" : "HAPTOLITH_SIMD=AVX2 or SCALAR";
 }
 
 void useSimdTarget(std::string_view name) {

@@ -28,7 +28,7 @@ struct StepArrays {
 
   // Read and written.
   float* slip;               ///< [R][3][kGroup] x, y and z of each entry's slip, m
-  std::uint16_t* touched;    ///< [G] rows behind which no entry remembers anything
+  QuarterRows* touched;      ///< [G] rows behind which no entry remembers anything
   InnerRows* inner;          ///< [G] rows of the inner lists; null: none, all rows are computed
   Float4* remainder;         ///< [N] BedState::remainder; null: none
   WallSlips* wall_slip;      ///< [G] contact friction only

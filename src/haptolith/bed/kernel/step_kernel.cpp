@@ -23,7 +23,7 @@ HWY_INLINE V skinFraction(std::size_t particle) {
   const hn::RebindToSigned<D> di;
   const auto number = hn::Iota(di, static_cast<std::int32_t>(particle & 0xFFFF));
   const auto scattered = hn::And(number * hn::Set(di, 101), hn::Set(di, 255));
-  return hn::MulAdd(hn::ConvertTo(d, scattered), set(0.35F / 255), set(0.65F));
+  return MulAdd(hn::ConvertTo(d, scattered), set(0.35F / 255), set(0.65F));
 }
 
 /// Constants of the step for a class of particles: half the radius is an eighth of the mass.
@@ -48,22 +48,21 @@ HWY_INLINE void integrate(const StepConstants& now, const ClassConstants& own, c
                           V& fastest_squared) {
   const D d;
   const V dt = set(now.dt);
-  Float4Vectors next{hn::MulAdd(dt, velocity.x, here.x), hn::MulAdd(dt, velocity.y, here.y),
-                     hn::MulAdd(dt, velocity.z, here.z), here.w};
+  Float4Vectors next{MulAdd(dt, velocity.x, here.x), MulAdd(dt, velocity.y, here.y), MulAdd(dt, velocity.z, here.z),
+                     here.w};
   if (arrays.remainder != nullptr) {  // compensated summation (Kahan 1965)
     Float4* const kept = arrays.remainder + at.particle();
     const Float4Vectors left = loadFloat4(kept);
-    const Float4Vectors way{hn::MulAdd(dt, velocity.x, left.x), hn::MulAdd(dt, velocity.y, left.y),
-                            hn::MulAdd(dt, velocity.z, left.z), here.w};
+    const Float4Vectors way{MulAdd(dt, velocity.x, left.x), MulAdd(dt, velocity.y, left.y),
+                            MulAdd(dt, velocity.z, left.z), here.w};
     next = {here.x + way.x, here.y + way.y, here.z + way.z, here.w};
     storeFloat4({way.x - (next.x - here.x), way.y - (next.y - here.y), way.z - (next.z - here.z), hn::Zero(d)}, kept);
   }
   storeFloat4(velocity, arrays.next_velocity + at.particle());
   storeFloat4(next, arrays.next_position + at.particle());
 
-  const V speed_squared =
-      hn::MulAdd(velocity.x, velocity.x, hn::MulAdd(velocity.y, velocity.y, velocity.z * velocity.z));
-  fastest_squared = hn::Max(fastest_squared, speed_squared);
+  const V speed_squared = MulAdd(velocity.x, velocity.x, MulAdd(velocity.y, velocity.y, velocity.z * velocity.z));
+  fastest_squared = Max(fastest_squared, speed_squared);
   const bool moving = !hn::AllTrue(d, speed_squared <= set(now.rest_squared));
   std::uint8_t& any_moving = arrays.moving[at.group];
   any_moving = static_cast<std::uint8_t>(moving || (at.in_group > 0 && any_moving != 0));
@@ -72,7 +71,7 @@ HWY_INLINE void integrate(const StepConstants& now, const ClassConstants& own, c
   const V x = next.x - reference.x;
   const V y = next.y - reference.y;
   const V z = next.z - reference.z;
-  const V squared = hn::MulAdd(x, x, hn::MulAdd(y, y, z * z));
+  const V squared = MulAdd(x, x, MulAdd(y, y, z * z));
   const V fraction = skinFraction(at.particle());
   const V limit = set(own.skin_half_squared) * fraction * fraction;
   const auto stays = squared <= limit;  // false for NaN
@@ -136,21 +135,21 @@ void icra2021In(const KernelLaw& law, const StepConstants& now, const StepBox& b
     }
 
     // Semi-implicit: damping (paper 20) acts on the new velocity, so it can never overshoot.
-    const V kept = Inverse(hn::MulAdd(per_mass * set(now.damping), sums.contacts, one));
-    const V vx = hn::MulAdd(per_mass, fx, v.x) * kept;
-    const V vy = hn::MulAdd(per_mass, fy, v.y) * kept;
-    const V vz = hn::MulAdd(per_mass, fz, v.z) * kept;
+    const V kept = Inverse(MulAdd(per_mass * set(now.damping), sums.contacts, one));
+    const V vx = MulAdd(per_mass, fx, v.x) * kept;
+    const V vy = MulAdd(per_mass, fy, v.y) * kept;
+    const V vz = MulAdd(per_mass, fz, v.z) * kept;
 
     // Moving friction (paper 14, lower case) against the velocity; it stops the particle but never turns it round.
     const V huge = set(1e30F);  // clamped, so that friction cannot hide an infinite velocity
-    const V speed_squared = hn::Min(hn::MulAdd(vx, vx, hn::MulAdd(vy, vy, hn::MulAdd(vz, vz, set(1e-30F)))), huge);
+    const V speed_squared = Min(MulAdd(vx, vx, MulAdd(vy, vy, MulAdd(vz, vz, set(1e-30F)))), huge);
     const V slowed_by = per_mass * set(now.moving_friction) * sums.repulsion;
-    V left = hn::Max(hn::NegMulAdd(slowed_by, InverseSqrt(speed_squared), one), zero);
+    V left = Max(NegMulAdd(slowed_by, InverseSqrt(speed_squared), one), zero);
 
     // A particle at rest stays at rest up to the static limit (paper 14, upper case).
     const V limit = set(now.static_friction) * sums.repulsion;
     const auto at_rest = hn::And(hn::And(v.x == zero, v.y == zero), v.z == zero);
-    const auto held = hn::MulAdd(fx, fx, hn::MulAdd(fy, fy, fz * fz)) <= limit * limit;
+    const auto held = MulAdd(fx, fx, MulAdd(fy, fy, fz * fz)) <= limit * limit;
     left = hn::IfThenZeroElse(hn::And(at_rest, held), left);
     integrate(now, grain, arrays, at, x, unlessDriven(v, {vx * left, vy * left, vz * left, zero}), moved,
               fastest_squared);
@@ -216,8 +215,8 @@ void contactFrictionIn(const GradedLaw& law, const StepConstants& now, const Ste
       fy = fy + wall.away;
       fz = fz + wall.along_2;
     }
-    const Float4Vectors next{hn::MulAdd(per_mass, fx, v.x) * drag, hn::MulAdd(per_mass, fy, v.y) * drag,
-                             hn::MulAdd(per_mass, fz, v.z) * drag, zero};
+    const Float4Vectors next{MulAdd(per_mass, fx, v.x) * drag, MulAdd(per_mass, fy, v.y) * drag,
+                             MulAdd(per_mass, fz, v.z) * drag, zero};
     integrate(now, grain, arrays, at, x, unlessDriven(v, next), moved, fastest_squared);
   });
   moved.fastest_squared = hn::GetLane(hn::MaxOfLanes(d, fastest_squared));

@@ -25,7 +25,7 @@ HWY_INLINE Triple<V> times(V factor, const Triple<V>& v) {
 }
 
 HWY_INLINE Triple<V> cross(const Triple<V>& a, const Triple<V>& b) {
-  return {hn::MulSub(a.y, b.z, a.z * b.y), hn::MulSub(a.z, b.x, a.x * b.z), hn::MulSub(a.x, b.y, a.y * b.x)};
+  return {MulSub(a.y, b.z, a.z * b.y), MulSub(a.z, b.x, a.x * b.z), MulSub(a.x, b.y, a.y * b.x)};
 }
 
 HWY_INLINE Triple<V> chosen(hn::Mask<D> which, const Triple<V>& yes, const Triple<V>& no) {
@@ -39,9 +39,9 @@ class Turn {
       : row_{everywhere(scene_R_stone[0]), everywhere(scene_R_stone[1]), everywhere(scene_R_stone[2])} {}
 
   [[nodiscard]] HWY_INLINE Triple<V> inStone(const Triple<V>& v) const {
-    return {hn::MulAdd(row_[0].x, v.x, hn::MulAdd(row_[1].x, v.y, row_[2].x * v.z)),
-            hn::MulAdd(row_[0].y, v.x, hn::MulAdd(row_[1].y, v.y, row_[2].y * v.z)),
-            hn::MulAdd(row_[0].z, v.x, hn::MulAdd(row_[1].z, v.y, row_[2].z * v.z))};
+    return {MulAdd(row_[0].x, v.x, MulAdd(row_[1].x, v.y, row_[2].x * v.z)),
+            MulAdd(row_[0].y, v.x, MulAdd(row_[1].y, v.y, row_[2].y * v.z)),
+            MulAdd(row_[0].z, v.x, MulAdd(row_[1].z, v.y, row_[2].z * v.z))};
   }
   [[nodiscard]] HWY_INLINE Triple<V> inScene(const Triple<V>& v) const {
     return {dot(row_[0], v), dot(row_[1], v), dot(row_[2], v)};
@@ -71,8 +71,8 @@ HWY_INLINE PackOverlap overlapOf(const StoneBesidePack& stone, const Triple<V>& 
     const Float4& sphere = stone.spheres[number];
     const Triple<V> apart = minus(place, {set(sphere.x), set(sphere.y), set(sphere.z)});
     const V radii = set(sphere.w) + own;
-    const V squared = hn::Max(dot(apart, apart), set(1e-20F));  // coinciding centres also have a distance
-    const V matters = radii - hn::Min(nearest, zero);
+    const V squared = Max(dot(apart, apart), set(1e-20F));  // coinciding centres also have a distance
+    const V matters = radii - Min(nearest, zero);
     if (hn::AllFalse(d, squared < matters * matters)) {
       continue;
     }
@@ -82,11 +82,11 @@ HWY_INLINE PackOverlap overlapOf(const StoneBesidePack& stone, const Triple<V>& 
     const auto deeper = depth > nearest;
     nearest = hn::IfThenElse(deeper, depth, nearest);
     nearest_towards = chosen(deeper, towards, nearest_towards);
-    const V inside = set(kPerMetre) * hn::Max(depth, zero);
+    const V inside = set(kPerMetre) * Max(depth, zero);
     const V cubed = inside * inside * inside;
-    gradient = {hn::MulAdd(cubed, towards.x, gradient.x), hn::MulAdd(cubed, towards.y, gradient.y),
-                hn::MulAdd(cubed, towards.z, gradient.z)};
-    fourth = hn::MulAdd(cubed, inside, fourth);
+    gradient = {MulAdd(cubed, towards.x, gradient.x), MulAdd(cubed, towards.y, gradient.y),
+                MulAdd(cubed, towards.z, gradient.z)};
+    fourth = MulAdd(cubed, inside, fourth);
   }
   const V depth = hn::Sqrt(hn::Sqrt(fourth));
   const V length = hn::Sqrt(dot(gradient, gradient));
@@ -129,19 +129,18 @@ void press(const StoneBesidePack& stone, const Float4* position, const Float4* v
     }
     // All lines between the centres meet in the grain's: so does their sum's.
     const Triple<V>& n = overlap.towards;
-    const Triple<V> lever = minus(place, times(hn::NegMulAdd(set(0.5F), overlap.depth, own), n));
+    const Triple<V> lever = minus(place, times(NegMulAdd(set(0.5F), overlap.depth, own), n));
     const Triple<V> relative = minus(turn.inStone(minus({v.x, v.y, v.z}, velocity_of_stone)), cross(spin, lever));
     const V parting = dot(relative, n);
     const CohesiveContact<V> contact = cohesiveContact(law.law, law.cohesion, law.diameter, a);
     const V push = overlap.steepness * law.damped(contact.normal, a, overlap.steepness * parting);
     Triple<V> stretch{hn::Load(d, pack.stretch_m[0].data() + first), hn::Load(d, pack.stretch_m[1].data() + first),
                       hn::Load(d, pack.stretch_m[2].data() + first)};
-    const Triple<V> drag = frictionForce(law.friction, law.sliding_per_n * overlap.steepness * contact.compression, n,
-                                         minus(relative, times(parting, n)), stretch);
-    store({hn::IfThenElseZero(touching, stretch.x), hn::IfThenElseZero(touching, stretch.y),
-           hn::IfThenElseZero(touching, stretch.z)},
-          pack.stretch_m, first);
-    store(turn.inScene({hn::MulAdd(push, n.x, drag.x), hn::MulAdd(push, n.y, drag.y), hn::MulAdd(push, n.z, drag.z)}),
+    const Triple<V> drag =
+        frictionForce(law.friction, touching, law.sliding_per_n * overlap.steepness * contact.compression, n,
+                      minus(relative, times(parting, n)), stretch);
+    store(stretch, pack.stretch_m, first);
+    store(turn.inScene({MulAdd(push, n.x, drag.x), MulAdd(push, n.y, drag.y), MulAdd(push, n.z, drag.z)}),
           touch.force_n, first);
     store(turn.inScene(lever), touch.lever_m, first);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/core/statistics.h"
 
 namespace haptolith {
@@ -24,8 +25,8 @@ void raise(const Float4& sphere, double radius_m, const HeightGrid& rays, std::v
   };
   for (std::int64_t row = first(y_m); row <= last(y_m, rays.rows); ++row) {
     for (std::int64_t column = first(x_m); column <= last(x_m, rays.columns); ++column) {
-      const double aside_m = std::hypot((static_cast<double>(column) + 0.5) * rays.cell_m - x_m,
-                                        (static_cast<double>(row) + 0.5) * rays.cell_m - y_m);
+      const double aside_m = portable::hypot((static_cast<double>(column) + 0.5) * rays.cell_m - x_m,
+                                             (static_cast<double>(row) + 0.5) * rays.cell_m - y_m);
       if (aside_m < reach_m) {
         double& height = heights[static_cast<std::size_t>(row) * rays.columns + static_cast<std::size_t>(column)];
         height = std::max(height, static_cast<double>(sphere.z) + std::sqrt(reach_m * reach_m - aside_m * aside_m));

@@ -7,7 +7,8 @@
 #include <random>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/portable_math.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/soil/layers.h"
 
@@ -254,9 +255,9 @@ double highestCentre(const std::vector<Float4>& grains) {
 BedParameters withRoomFor(int particles, BedParameters bed) {
   constexpr double kVolumePerCubedRadius = 5.83;  // volume of a particle with its part of the gaps, walls included
   constexpr double kDeepest_m = 0.12;
-  const double volume = particles * kVolumePerCubedRadius * std::pow(bed.soil.radius_m, 3);
+  const double volume = particles * kVolumePerCubedRadius * portable::cube(bed.soil.radius_m);
   bed.start = BedStart::kPacked;
-  bed.depth_m = std::min(std::cbrt(volume / 4), kDeepest_m);
+  bed.depth_m = std::min(portable::cbrt(volume / 4), kDeepest_m);
   bed.width_m = bed.length_m = std::sqrt(volume / bed.depth_m);
   return bed;
 }

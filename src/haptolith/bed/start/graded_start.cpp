@@ -12,6 +12,7 @@
 #include "haptolith/bed/measure/surface_height.h"
 #include "haptolith/bed/start/spatial_order.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/soil/contact_law.h"
 
 namespace haptolith {
@@ -57,7 +58,7 @@ class StandingGrain {
         continue;
       }
       for (const Float4& other : found->second) {
-        const double apart = std::hypot(grain.x - other.x, grain.y - other.y, grain.z - other.z);
+        const double apart = portable::hypot(grain.x - other.x, grain.y - other.y, grain.z - other.z);
         if (apart < own + radius_m_ + other.w - kMostOverlap * own) {
           return false;
         }
@@ -176,7 +177,8 @@ bool GradedFilling::belongs(const Float4& grain, int grain_class, const std::vec
     return false;
   }
   const auto in_place_of = [&](const Float4& coarser) {
-    return std::hypot(grain.x - coarser.x, grain.y - coarser.y, grain.z - coarser.z) < bed_.soil.radius_m + coarser.w;
+    return portable::hypot(grain.x - coarser.x, grain.y - coarser.y, grain.z - coarser.z) <
+           bed_.soil.radius_m + coarser.w;
   };
   return grain_class == 0 || regionOf(grain_class).grown(radiusOf(grain_class)).holds(grain) ||
          std::ranges::any_of(left_out, in_place_of);

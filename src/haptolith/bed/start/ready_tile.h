@@ -17,7 +17,7 @@ inline constexpr std::array kGrainRadii_m{7e-3,   6.4e-3, 5.8e-3,  5.3e-3, 4.8e-
 /// Radius of kGrainRadii_m that is one step coarser than `radius_m`, in m: at least 4 % larger. None above the largest.
 [[nodiscard]] std::optional<double> coarserRadius(double radius_m);
 
-/// Settled soil that ships with the program (BedParameters::ready_made): the tile of `bed`, for every instruction set.
+/// Settled soil that ships with the program (BedParameters::ready_made): the tile of `bed`.
 /// None where no tile ships for this soil, radius, depth, gravity and seed. Not for the tick.
 [[nodiscard]] std::optional<BedTile> readyTile(const BedParameters& bed);
 

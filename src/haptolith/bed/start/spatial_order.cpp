@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "haptolith/core/math/portable_math.h"
+
 namespace haptolith {
 
 namespace {
@@ -32,7 +34,7 @@ std::vector<std::size_t> spatialOrder(const std::vector<Vec3>& points_m, double 
   }
   const Vec3 edges = highest - lowest + Vec3::Constant(2 * radius_m);
   // Diameter in a close packing as loose as these points.
-  const double diameter = std::cbrt(std::sqrt(2.0) * edges.prod() / static_cast<double>(points_m.size()));
+  const double diameter = portable::cbrt(std::sqrt(2.0) * edges.prod() / static_cast<double>(points_m.size()));
   lowest -= Vec3::Constant(diameter / 4);  // the lowest of a packing are well inside their cells
   std::vector<Place> places;
   places.reserve(points_m.size());

@@ -13,8 +13,10 @@
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/core/process/stop_asked.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/turn.h"
 
 namespace haptolith {
 
@@ -49,7 +51,7 @@ StoneShape resized(StoneShape shape, double scale) {
     point_m *= scale;
   }
   shape.volume_m3 *= scale * scale * scale;
-  shape.inertia_m5 *= std::pow(scale, 5);
+  shape.inertia_m5 *= portable::cube(scale) * scale * scale;
   shape.reach_m *= scale;
   return shape;
 }
@@ -69,17 +71,13 @@ std::vector<double> sizesOf(const StonesParameters& stones, std::mt19937_64& ran
   for (double& size_m : sizes_m) {
     const double share = uniform(random, 0, 1);
     const double e = stones.exponent;
-    size_m = e == 0
-                 ? stones.smallest_m * std::pow(stones.largest_m / stones.smallest_m, share)
-                 : std::pow(std::lerp(std::pow(stones.largest_m, -e), std::pow(stones.smallest_m, -e), share), -1 / e);
+    size_m = e == 0 ? stones.smallest_m * portable::pow(stones.largest_m / stones.smallest_m, share)
+                    : portable::pow(
+                          std::lerp(portable::pow(stones.largest_m, -e), portable::pow(stones.smallest_m, -e), share),
+                          -1 / e);
   }
   std::ranges::sort(sizes_m, std::greater());
   return sizes_m;
-}
-
-Quat turnOf(const Vec3& turn_rad) {
-  return Quat(Eigen::AngleAxisd(turn_rad.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(turn_rad.y(), Vec3::UnitY()) *
-              Eigen::AngleAxisd(turn_rad.x(), Vec3::UnitX()));
 }
 
 /// Any turn, each as likely (Shoemake 1992).
@@ -90,7 +88,7 @@ Quat anyTurn(std::mt19937_64& random) {
   const double b = uniform(random, 0, kTurn);
   const double s = std::sqrt(1 - u);
   const double t = std::sqrt(u);
-  return {t * std::cos(b), s * std::sin(a), s * std::cos(a), t * std::sin(b)};
+  return {t * portable::cos(b), s * portable::sin(a), s * portable::cos(a), t * portable::sin(b)};
 }
 
 /// Stones that already stand somewhere.
@@ -153,7 +151,7 @@ std::vector<Pose> startingPlaces(const BedParameters& bed, const Stones& stones,
                       1e3 * width_m, 1e3 * length_m, 1e3 * (surface_m - shape.reach_m)));
     }
     standing.add(shape, place);
-    places.push_back({place, turnOf(stone.turn_rad)});
+    places.push_back({place, turnAboutXyz(stone.turn_rad)});
   }
   std::mt19937_64 random(bed.stones.seed + 1);
   constexpr int kTries = 2000;

@@ -256,7 +256,7 @@ std::vector<double> numbersOf(const BedParameters& bed) {
 /// Inputs of a bed of one particle size while it settles.
 std::string keyOf(const BedParameters& bed) {
   std::string key =
-      fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw, simdTarget(),
+      fmt::format("format {} law {} {} friction {} particles {} seed {} max_substeps {}", kFormat, kLaw, arithmetic(),
                   static_cast<int>(bed.soil.friction), bed.particles, bed.seed, bed.max_substeps);
   for (const double number : numbersOf(bed)) {
     key += fmt::format(" {:a}", number);

@@ -29,12 +29,12 @@ void useTileCache(const std::filesystem::path& folder, std::function<void(std::s
 [[nodiscard]] std::vector<Float4> cachedGradedGrains(const BedParameters& bed,
                                                      const std::function<std::vector<Float4>()>& settled);
 
-/// All inputs of a bed's tile, as text: the exact numbers of tileBed(), the instruction set, and
-/// the versions of law and format.
+/// All inputs of a bed's tile, as text: the exact numbers of tileBed(), arithmetic(), and the
+/// versions of law and format.
 [[nodiscard]] std::string tileKey(const BedParameters& bed);
 
 /// Inputs of a tile that ships with the program (ready_tile.h), as text: the numbers of tileBed() to six digits, and
-/// the version of the law, but no instruction set, because soil at rest is at rest with each.
+/// the version of the law, but no arithmetic, because soil at rest is at rest with each.
 [[nodiscard]] std::string readyTileKey(const BedParameters& bed);
 
 /// "tile-" and the hash of its key.

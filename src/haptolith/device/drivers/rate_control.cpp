@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/math/portable_math.h"
 
 namespace haptolith {
 
@@ -32,7 +33,7 @@ SteeredHandle::SteeredHandle(double tick_s, double workspace_radius_m)
     : tick_s_(requireInRange("tick_s", tick_s, {.lowest = 0, .highest = 0.1, .ends = Ends::kOpenBelow})),
       workspace_radius_m_(
           requireInRange("workspace_radius_m", workspace_radius_m, {.lowest = 0, .ends = Ends::kOpenBelow})),
-      share_(1 - std::exp(-tick_s / kSmoothing_s)) {}
+      share_(1 - portable::exp(-tick_s / kSmoothing_s)) {}
 
 DeviceLimits SteeredHandle::limits() noexcept {
   DeviceLimits limits;

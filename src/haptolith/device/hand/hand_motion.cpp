@@ -7,6 +7,8 @@
 #include <span>
 
 #include "haptolith/core/assert.h"
+#include "haptolith/core/math/portable_math.h"
+#include "haptolith/core/turn.h"
 
 namespace haptolith {
 
@@ -173,15 +175,15 @@ Pose handMotionPose(const HandParameters& hand, double time_s) noexcept {
 
   const double angle = kTurn * key.turn;
   const double out_m = key.out * hand.reach_m;
-  const double shake_m = key.shake * kShakeAmplitude_m * std::sin(kTurn * kShakeFrequency_hz * time_s);
+  const double shake_m = key.shake * kShakeAmplitude_m * portable::sin(kTurn * kShakeFrequency_hz * time_s);
 
   // A stirring blade faces the way it goes; everything else looks outwards.
   const double yaw = hand.motion == HandMotion::kStir ? angle + kTurn / 4 : angle;
   const double nose = key.nose_deg * kTurn / 360;
-  return {Vec3(hand.home_m.x() + out_m * std::cos(angle),
-               hand.home_m.y() + out_m * std::sin(angle) + key.aside * hand.reach_m,
+  return {Vec3(hand.home_m.x() + out_m * portable::cos(angle),
+               hand.home_m.y() + out_m * portable::sin(angle) + key.aside * hand.reach_m,
                hand.surface_m.value_or(0) + key.height + shake_m),
-          Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(nose, Vec3::UnitY()))};
+          turnAbout(Vec3::UnitZ(), yaw) * turnAbout(Vec3::UnitY(), nose)};
 }
 
 }  // namespace haptolith

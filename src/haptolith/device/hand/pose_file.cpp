@@ -9,6 +9,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/table_pose.h"
+#include "haptolith/core/turn.h"
 
 namespace haptolith {
 
@@ -49,7 +50,7 @@ Pose PoseFile::at(double time_s) const noexcept {
   const double share = (t - times_s_[i - 1]) / (times_s_[i] - times_s_[i - 1]);
   const Pose& a = poses_[i - 1];
   const Pose& b = poses_[i];
-  return {a.position_m + share * (b.position_m - a.position_m), a.orientation.slerp(share, b.orientation)};
+  return {a.position_m + share * (b.position_m - a.position_m), slerp(a.orientation, b.orientation, share)};
 }
 
 }  // namespace haptolith

@@ -8,6 +8,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/interpolate.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/device/hand/hand_motion.h"
 
 namespace haptolith {
@@ -127,7 +128,7 @@ void VirtualHand::followMotion() noexcept {
 
 void VirtualHand::followCommand(const Pose& held) noexcept {
   const Pose before = smooth_;
-  smooth_ = interpolate(before, held, 1 - std::exp(-tick_s_ / kSmoothing_s));
+  smooth_ = interpolate(before, held, 1 - portable::exp(-tick_s_ / kSmoothing_s));
   moveArm(kPull, movement(before, smooth_, tick_s_), output_, hand_.max_force_n, tick_s_, tool_);
 }
 

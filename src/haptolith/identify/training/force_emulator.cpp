@@ -8,7 +8,7 @@
 #include <random>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/core/statistics.h"
 
 namespace haptolith {

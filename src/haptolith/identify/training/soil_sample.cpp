@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/soil/contact_strength.h"
 
 namespace haptolith {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "haptolith/bed/start/bed_tile.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/soil/contact_law.h"
 #include "haptolith/tool/tool_shape.h"
 

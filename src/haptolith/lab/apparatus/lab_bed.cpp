@@ -8,7 +8,7 @@
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 
 namespace haptolith {
 

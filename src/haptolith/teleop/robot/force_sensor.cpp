@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 
 namespace haptolith {
 
