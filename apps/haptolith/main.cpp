@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
     reportFormerNames(warn);
     std::vector<std::string> arguments = currentArguments({argv, argv + argc});
     std::vector<char*> pointers;
-    std::ranges::transform(arguments, std::back_inserter(pointers), &std::string::data);
+    std::ranges::transform(arguments, std::back_inserter(pointers), [](std::string& text) { return text.data(); });
     pointers.push_back(nullptr);
     argc = static_cast<int>(arguments.size());
     argv = pointers.data();

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "../source_dir.h"
 #include "program.h"
 
 namespace haptolith {
@@ -130,6 +131,29 @@ TEST_F(ReplayCommand, AHashThatIsAnotherIsNamedAndFailsToVerify) {
   EXPECT_THAT(told.output, HasSubstr("differs    in tick 400 at 0.401 s: state_hash"));
 }
 
+/// `./dev hashes` renews the file when the bits change.
+TEST_F(ReplayCommand, ARecordingMadeWithAvx512IsVerifiedWithOtherInstructionSets) {
+  const std::string recording = (sourceDir() / "tests" / "data" / "recorded-avx512.h5").string();
+  const ProgramResult result =
+      runInShell(fmt::format("HAPTOLITH_SIMD=SCALAR \"$HAPTOLITH\" replay --verify --json '{}'", recording));
+  ASSERT_EQ(result.exit_status, 0) << result.errors;
+  const json summary = json::parse(result.output);
+  EXPECT_EQ(summary["recorded_simd"], "AVX3");
+  EXPECT_EQ(summary["recorded_arithmetic"], "fused");
+  EXPECT_EQ(summary["hashes"], 1000);
+  EXPECT_TRUE(summary["difference"].is_null());
+  EXPECT_EQ(runHaptolith(fmt::format("replay --verify '{}'", recording)).exit_status, 0) << "best of this machine";
+}
+
+TEST_F(ReplayCommand, AChangedByteIsToldWithItsTicks) {
+  std::string bytes = bytesOf((sourceDir() / "tests" / "data" / "recorded-avx512.h5").string());
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  std::ofstream(file("changed.h5"), std::ios::binary) << bytes;
+  const ProgramResult result = runHaptolith(fmt::format("replay --verify '{}'", file("changed.h5")));
+  EXPECT_EQ(result.exit_status, 1);
+  EXPECT_THAT(result.errors, HasSubstr("/ticks is damaged in rows 0 to 999"));
+}
+
 TEST_F(ReplayCommand, ALargeRecordedSceneOfAFileIsTheSameAgain) {
   std::ofstream(file("scene.toml")) << R"(
 title = "A large bed"
@@ -165,8 +189,8 @@ TEST_F(ReplayCommand, ARunByTheClockUnderADeviceThatNobodyHoldsIsStaleThroughout
 }
 
 TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
-  const std::string run =
-      fmt::format("run icra2021 --motion still --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("run.h5"));
+  const std::string run = fmt::format(
+      "run icra2021 --motion still --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("run.h5"));
   ASSERT_EQ(runHaptolith(run).exit_status, 0);
   const std::string only_copy = bytesOf(file("run.h5"));
   const ProgramResult refused = runHaptolith(run);
@@ -182,15 +206,15 @@ TEST_F(ReplayCommand, AFileIsOverwrittenOnlyWhenThatIsAskedFor) {
 }
 
 TEST_F(ReplayCommand, WhereNothingCanBeWrittenNothingRuns) {
-  const ProgramResult missing = runHaptolith(
-      fmt::format("run icra2021 --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("no/such/folder/run.h5")));
+  const ProgramResult missing = runHaptolith(fmt::format(
+      "run icra2021 --no-realtime --no-serve --duration-s 0.05 --record '{}'", file("no/such/folder/run.h5")));
   EXPECT_EQ(missing.exit_status, 1);
   EXPECT_THAT(missing.errors, AllOf(HasSubstr(file("no/such/folder/run.h5")), HasSubstr("No such file or directory")));
   EXPECT_THAT(missing.output, IsEmpty());
   EXPECT_THAT(files(), IsEmpty());
 
-  const ProgramResult folder = runHaptolith(
-      fmt::format("run icra2021 --no-realtime --no-serve --duration-s 0.05 --overwrite --record '{}'", folder_.string()));
+  const ProgramResult folder = runHaptolith(fmt::format(
+      "run icra2021 --no-realtime --no-serve --duration-s 0.05 --overwrite --record '{}'", folder_.string()));
   EXPECT_EQ(folder.exit_status, 1);
   EXPECT_THAT(folder.errors, HasSubstr("not a regular file"));
 }

@@ -9,7 +9,7 @@
 #include <random>
 #include <utility>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 
 namespace haptolith {
 namespace {

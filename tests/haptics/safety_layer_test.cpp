@@ -10,7 +10,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/haptics/tick_record.h"
 
 namespace haptolith {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/identify/training/force_emulator.h"
 #include "haptolith/identify/training/soil_sample.h"
 

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "haptolith/bed/measure/surface_height.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/identify/soil_belief.h"
 #include "haptolith/identify/training/soil_sample.h"
 #include "haptolith/identify/training/tool_movement.h"

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/lab/apparatus/lab_bed.h"
 #include "haptolith/tool/tool_shape.h"
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 
 namespace haptolith {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/psychometrics/fit.h"
 
 namespace haptolith {

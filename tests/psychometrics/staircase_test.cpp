@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/psychometrics/psychometric_function.h"
 
 namespace haptolith {

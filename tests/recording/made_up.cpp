@@ -12,6 +12,7 @@ RecordingHeader madeUpHeader() {
           .title = "Gräben auf dem Mond",
           .program_version = "1.2.3",
           .instruction_set = "AVX2",
+          .arithmetic = "fused",
           .device = "virtual hand",
           .device_limits = limitsText({}, true),
           .host = "bench",

@@ -66,6 +66,7 @@ void expectSameHeader(const RecordingHeader& got, const RecordingHeader& wanted)
   EXPECT_EQ(got.title, wanted.title);
   EXPECT_EQ(got.program_version, wanted.program_version);
   EXPECT_EQ(got.instruction_set, wanted.instruction_set);
+  EXPECT_EQ(got.arithmetic, wanted.arithmetic);
   EXPECT_EQ(got.device, wanted.device);
   EXPECT_EQ(got.device_limits, wanted.device_limits);
   EXPECT_EQ(got.host, wanted.host);

@@ -111,7 +111,7 @@ class ReplayTest : public testing::Test {
     drive(loop);
     loop.takeRecords(ticks_);
     header_.scene_file = sceneFileText(scene_file);
-    header_.instruction_set = simdTarget();
+    header_.arithmetic = arithmetic();
     header_.device = device.name();
     header_.device_limits = limitsText(device.limits(), device.simulated());
     header_.hashed_parts = loop.hashedParts();

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 
 namespace haptolith {
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/mesh/triangle_tree.h"
 #include "haptolith/scene/scene.h"
 #include "haptolith/soil/presets.h"

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "haptolith/core/random.h"
+#include "haptolith/core/math/random.h"
 #include "haptolith/mesh/mend.h"
 #include "haptolith/tool/tool_surface.h"
 

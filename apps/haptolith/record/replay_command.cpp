@@ -82,18 +82,16 @@ Json summaryJson(const RecordingReader& recording, const Replay& replay, const R
           {"ended_early", result.ended_early},
           {"recorded_simd", recording.header().instruction_set},
           {"simd", simdTarget()},
+          {"recorded_arithmetic", recording.header().arithmetic},
+          {"arithmetic", arithmetic()},
           {"threads", replay.sceneFile().bed.threads}};
 }
 
 void replay(const ReplayOptions& options) {
   const StopOnSignal stop_on_signal;
   const RecordingReader recording(options.file);
-  if (options.verify && recording.header().instruction_set != simdTarget()) {
-    spdlog::warn(
-        "recorded with {}, replayed with {}: results will not be bit-identical; set HAPTOLITH_SIMD={} to use the "
-        "former",
-        instructionSetName(recording.header().instruction_set), instructionSetName(simdTarget()),
-        instructionSetName(recording.header().instruction_set));
+  if (const std::string why = whyOtherBits(recording.header()); options.verify && !why.empty()) {
+    spdlog::warn("results will not be bit-identical: {}", why);
   }
   StatusLine status;
   Replay replay(recording, options.threads, settlingIn(status));

@@ -87,6 +87,7 @@ nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& sce
           {"substeps", scene.substeps()},
           {"threads", scene_file.bed.threads},
           {"simd", simdTarget()},
+          {"arithmetic", arithmetic()},
           {"ticks", statistics.ticks()},
           {"duration_s", loop.time()},
           {"ended", text(summary.end)},

@@ -239,6 +239,7 @@ class Loop {
     return nlohmann::ordered_json{{"scenario", sceneFileText(scene_file_)},
                                   {"title", scene_file_.title},
                                   {"instruction_set", simdTarget()},
+                                  {"arithmetic", arithmetic()},
                                   {"device", device_->name()},
                                   {"device_limits", limitsText(device_->limits(), device_->simulated())},
                                   {"seed", scene_file_.bed.seed},

@@ -24,15 +24,15 @@ struct Header {
   std::array<char, 8> magic{'H', 'A', 'P', 'T', 'O', 'S', 'T', '1'};
   std::uint32_t version = HAPTO_VERSION;
   std::int32_t condition = HAPTO_OK;
-  std::array<char, 16> instruction_set{};
+  std::array<char, 16> arithmetic{};
   double opening = 1;
   std::uint64_t made_of_bytes = 0, scene_file_bytes = 0, scene_bytes = 0;
   std::uint64_t hash = 0;  ///< XXH3 of all that follows
 };
 
-std::array<char, 16> instructionSet() {
+std::array<char, 16> arithmeticInUse() {
   std::array<char, 16> name{};
-  std::strncpy(name.data(), simdTarget(), name.size() - 1);
+  std::strncpy(name.data(), arithmetic(), name.size() - 1);
   return name;
 }
 
@@ -133,7 +133,7 @@ std::string SceneObject::save() const {
   const std::string scene = serialise(scene_->save());
   const std::string all = made_of + now + scene;
   const Header header{.condition = condition_,
-                      .instruction_set = instructionSet(),
+                      .arithmetic = arithmeticInUse(),
                       .opening = opening_,
                       .made_of_bytes = made_of.size(),
                       .scene_file_bytes = now.size(),
@@ -155,13 +155,11 @@ SceneObject::Saved SceneObject::parsed(std::string_view bytes) {
                               header.version / 1'000'000, header.version / 1000 % 1000, header.version % 1000,
                               HAPTO_VERSION_STRING));
   }
-  header.instruction_set.back() = '\0';
-  if (header.instruction_set != instructionSet()) {
+  header.arithmetic.back() = '\0';
+  if (header.arithmetic != arithmeticInUse()) {
     throw Failure(
-        fmt::format("this scene was saved with the instruction set {}; on {} the result would differ; set "
-                    "HAPTOLITH_SIMD={} if this machine supports it",
-                    instructionSetName(header.instruction_set.data()), instructionSetName(simdTarget()),
-                    instructionSetName(header.instruction_set.data())));
+        fmt::format("this scene was saved with {} arithmetic, which this machine has with {}; {} would differ",
+                    header.arithmetic.data(), targetsWith(header.arithmetic.data()), instructionSetName(simdTarget())));
   }
   const std::uint64_t left = bytes.size();
   const bool fits = header.made_of_bytes <= left && header.scene_file_bytes <= left - header.made_of_bytes &&

@@ -102,9 +102,8 @@ RecordedPictures::RecordedPictures(const RecordingReader& recording, Options opt
 
 void RecordedPictures::prepareReplay() {
   const bool is_whole = header().start_tick == 0;  // otherwise it cannot be replayed anywhere, as reported below
-  if (is_whole && header().instruction_set != simdTarget()) {
-    why_not_replayed_ = fmt::format("it was recorded with {0}, and this run uses {1}: set HAPTOLITH_SIMD={0}",
-                                    instructionSetName(header().instruction_set), instructionSetName(simdTarget()));
+  why_not_replayed_ = is_whole ? whyOtherBits(header()) : "";
+  if (!why_not_replayed_.empty()) {
     return;
   }
   try {
@@ -241,7 +240,7 @@ const std::vector<float>& RecordedPictures::radiusExcesses(const std::vector<std
     try {
       if (replay_) {
         take_from(replay_->loop().shownScene().scene.bed());
-      } else if (header().instruction_set == simdTarget()) {  // another one settles otherwise
+      } else if (whyOtherBits(header()).empty()) {  // otherwise it settles differently
         take_from(Bed(scene_file_->bed, options_.settling));
       }
     } catch (const Failure&) {

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <utility>
 
+#include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {
@@ -19,6 +20,17 @@ std::uint64_t tickNumber(double time_s, double tick_s) noexcept {
   constexpr double kMost = 1e15;  // whole numbers are exact up to there
   const double number = std::round(time_s / tick_s);
   return number > 0 && number < kMost ? static_cast<std::uint64_t>(number) : 0;
+}
+
+std::string whyOtherBits(const RecordingHeader& header) {
+  if (header.arithmetic.empty()) {
+    return fmt::format("it was recorded by haptolith {}, whose arithmetic was another; that version replays it",
+                       header.program_version);
+  }
+  return header.arithmetic == arithmetic()
+             ? ""
+             : fmt::format("it was recorded with {} arithmetic, and this run uses {} arithmetic ({}): set {}",
+                           header.arithmetic, arithmetic(), instructionSetName(simdTarget()), targetsWith(header.arithmetic));
 }
 
 void stampNow(RecordingHeader& header) {

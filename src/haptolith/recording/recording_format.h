@@ -27,7 +27,8 @@ struct RecordingHeader {
   std::string scene_file;       ///< the scene as TOML, with the mesh of its tool
   std::string title;            ///< title of the scene
   std::string program_version;  ///< version of haptolith
-  std::string instruction_set;  ///< simdTarget(): another one has other last bits
+  std::string instruction_set;  ///< simdTarget()
+  std::string arithmetic;       ///< haptolith::arithmetic(): another one has other last bits; empty up to version 0.2
   std::string device;           ///< HapticDevice::name()
   std::string device_limits;    ///< limitsText()
   std::string host;             ///< the machine's name
@@ -38,6 +39,9 @@ struct RecordingHeader {
   std::uint64_t start_tick = 0;    ///< number of the first tick in the file
   double tick_s = 0.001;           ///< > 0
 };
+
+/// Why a replay on this machine comes to other bits than the recording; empty: it does not.
+[[nodiscard]] std::string whyOtherBits(const RecordingHeader& header);
 
 /// Number of a tick in its run, from 1, by its time; 0 when no tick of a run has that time. Numbers of consecutive
 /// ticks follow one another, however often the run was paused.

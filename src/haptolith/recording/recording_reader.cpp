@@ -82,7 +82,9 @@ RecordingHeader readHeader(const Handle& file) {
   }
   RecordingHeader header;
   for (const HeaderEntry& entry : kHeaderEntries) {
-    std::visit([&](auto member) { readEntry(file, entry.name, header.*member); }, entry.member);
+    if (!entry.is_new || H5Aexists(file.id(), entry.name) > 0) {
+      std::visit([&](auto member) { readEntry(file, entry.name, header.*member); }, entry.member);
+    }
   }
   if (!(header.tick_s > 0) || !std::isfinite(header.tick_s)) {
     throw Failure(fmt::format("tick_s = {} in its header is not > 0", header.tick_s));

@@ -55,6 +55,7 @@ struct HeaderEntry {
 
   const char* name;
   std::variant<Member<std::string>, Member<std::uint64_t>, Member<double>> member;
+  bool is_new = false;  ///< files of version 0.2 and earlier lack it
 };
 
 inline constexpr HeaderEntry kHeaderEntries[]{
@@ -62,6 +63,7 @@ inline constexpr HeaderEntry kHeaderEntries[]{
     {"title", &RecordingHeader::title},
     {"program_version", &RecordingHeader::program_version},
     {"instruction_set", &RecordingHeader::instruction_set},
+    {"arithmetic", &RecordingHeader::arithmetic, true},
     {"device", &RecordingHeader::device},
     {"device_limits", &RecordingHeader::device_limits},
     {"host", &RecordingHeader::host},

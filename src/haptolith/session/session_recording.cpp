@@ -26,6 +26,7 @@ RecordingHeader headerOf(const Session& session, const std::string& program_vers
   header.title = scene_file.title;
   header.program_version = program_version;
   header.instruction_set = simdTarget();
+  header.arithmetic = arithmetic();
   header.device = session.deviceName();
   header.device_limits = limitsText(session.device().limits(), session.device().simulated());
   header.seed = scene_file.bed.seed;

@@ -41,6 +41,7 @@ LoopHeader headerOf(const hapto_loop* loop) {
   json.at("scenario").get_to(header.scene_file);
   json.at("title").get_to(header.title);
   json.at("instruction_set").get_to(header.instruction_set);
+  json.at("arithmetic").get_to(header.arithmetic);
   json.at("device").get_to(header.device);
   json.at("device_limits").get_to(header.device_limits);
   json.at("seed").get_to(header.seed);

@@ -57,6 +57,7 @@ class Recording {
                    {"title", header.title},
                    {"program_version", header.program_version},
                    {"instruction_set", header.instruction_set},
+                   {"arithmetic", header.arithmetic},
                    {"device", header.device},
                    {"device_limits", header.device_limits},
                    {"host", header.host},
