@@ -27,7 +27,8 @@
  *     what is missing counts as 0. Members that a later header has and this library does not know stay as they were.
  *   - A pose, a twist and a wrench are plain numbers and stay as they are, so that arrays of them are arrays of 7, 6 and 6
  *     doubles. hapto_array, hapto_device_limits and hapto_tick lie inside other structs or in arrays: they do not grow.
- *   - The same scene and movements give the same bits, for any number of threads, on machines of one instruction set.
+ *   - The same version, scene and movements give the same bits on every processor, for any number of threads. There are two
+ *     sets of bits, called arithmetic: "fused" (AVX2, AVX-512, NEON, SCALAR) and "unfused" (SSE4, SSSE3, WebAssembly).
  *
  * Environment, read once: HAPTOLITH_CACHE (the folder where settled soil is kept between runs, or "off"), HAPTOLITH_SIMD
  * (an instruction set other than the machine's best).
@@ -45,7 +46,7 @@
 #define HAPTO_API
 #endif
 
-/* A member that has been renamed: its old name is deprecated and goes with the next minor version. */
+/* A member that has been renamed: its old name is deprecated and goes with version 0.4. */
 #if defined(__GNUC__)
 #define HAPTO_RENAMED(now, was) __extension__ union { now; was; }
 #else
@@ -246,7 +247,7 @@ HAPTO_API int32_t hapto_scene_view(const hapto_scene *scene, int32_t field, hapt
 HAPTO_API int32_t hapto_scene_copy(const hapto_scene *scene, int32_t field, void *out, uint64_t bytes);
 
 /* The complete scene as bytes, its parameters included. Scenes with equal bytes continue with equal bits. `needed` as in
- * hapto_scene_get_toml(). The bytes are for this version of the library and one instruction set. */
+ * hapto_scene_get_toml(). The bytes are for this version of the library and one arithmetic, on any machine. */
 HAPTO_API int32_t hapto_scene_get_state(const hapto_scene *scene, void *bytes, uint64_t capacity, uint64_t *needed);
 /* Continues from there; the scene must have been made with the same parameters. It is unchanged when this fails. */
 HAPTO_API int32_t hapto_scene_set_state(hapto_scene *scene, const void *bytes, uint64_t count);
@@ -472,9 +473,9 @@ typedef struct hapto_tick {
 HAPTO_API int32_t hapto_loop_take_ticks(hapto_loop *loop, hapto_tick *out, uint64_t capacity, uint64_t *count,
                                         uint64_t *lost);
 
-/* Description of this loop for a recording, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set", "device",
- * "device_limits" (JSON), "seed", "threads", "hashed_parts", "start_tick" (0: soil and tool were as the scene says when the
- * loop was made), "tick_s", "paced". With the bytes needed, as hapto_scene_get_toml(). */
+/* Description of this loop for a recording, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set",
+ * "arithmetic", "device", "device_limits" (JSON), "seed", "threads", "hashed_parts", "start_tick" (0: soil and tool were as the
+ * scene says when the loop was made), "tick_s", "paced". With the bytes needed, as hapto_scene_get_toml(). */
 HAPTO_API int32_t hapto_loop_get_header(const hapto_loop *loop, char *json, uint64_t capacity, uint64_t *needed);
 
 /* Pauses time and sets the force to zero (1), or resumes (0), between two ticks. From the thread that takes snapshots. */

@@ -145,7 +145,7 @@ class Recording(Owned):
 
     @property
     def header(self) -> dict[str, Any]:
-        """scenario (the scene as TOML), title, program_version, instruction_set, device, host, started_utc, seed, ..."""
+        """scenario (the scene as TOML), title, program_version, arithmetic, device, host, started_utc, seed, ..."""
         loaded: dict[str, Any] = json.loads(self._text(_lib.hapto_recording_get_header))
         return loaded
 

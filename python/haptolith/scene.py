@@ -317,7 +317,7 @@ class Scene:
     def state(self) -> bytes:
         """The whole scene, parameters included; setting it goes back there, bit for bit.
 
-        For this version of the library and one instruction set."""
+        For this version of the library and one arithmetic, on any machine."""
         state = text_from(lambda out, room, needed: int(_lib.hapto_scene_get_state(self.address, out, room, needed)),
                           self._state_room)
         self._state_room = len(state) + len(state) // 8  # making it takes long: next time once is enough

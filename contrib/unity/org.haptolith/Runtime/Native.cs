@@ -475,7 +475,7 @@ namespace Haptolith
 
     /// <summary>
     /// The complete scene as bytes, its parameters included. Scenes with equal bytes continue with equal bits. `needed` as in
-    /// hapto_scene_get_toml(). The bytes are for this version of the library and one instruction set.
+    /// hapto_scene_get_toml(). The bytes are for this version of the library and one arithmetic, on any machine.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_get_state(IntPtr scene, void* bytes, ulong capacity, ulong* needed);
@@ -631,9 +631,9 @@ namespace Haptolith
     public static extern int hapto_loop_take_ticks(IntPtr loop, hapto_tick* @out, ulong capacity, ulong* count, ulong* lost);
 
     /// <summary>
-    /// Description of this loop for a recording, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set", "device",
-    /// "device_limits" (JSON), "seed", "threads", "hashed_parts", "start_tick" (0: soil and tool were as the scene says when the
-    /// loop was made), "tick_s", "paced". With the bytes needed, as hapto_scene_get_toml().
+    /// Description of this loop for a recording, as a JSON object: "scenario" (the scene as TOML), "title", "instruction_set",
+    /// "arithmetic", "device", "device_limits" (JSON), "seed", "threads", "hashed_parts", "start_tick" (0: soil and tool were as the
+    /// scene says when the loop was made), "tick_s", "paced". With the bytes needed, as hapto_scene_get_toml().
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_get_header(IntPtr loop, byte* json, ulong capacity, ulong* needed);

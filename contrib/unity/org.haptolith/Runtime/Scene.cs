@@ -338,7 +338,7 @@ namespace Haptolith
       }
     }
 
-    /// <summary>Returns the complete scene with its parameters, for this version of the library and one instruction set.</summary>
+    /// <summary>Returns the complete scene with its parameters, for one version and arithmetic, on any machine.</summary>
     public byte[] GetState()
     {
       using (Borrowed scene = new Borrowed(handle_))
