@@ -33,7 +33,7 @@ struct CohesionOf {
 /// the line k (a_thr - a) is added; above it the line is zero.
 template <class Real>
 HWY_INLINE Real uncutContactForce(const LawOf<Real>& law, Real a) {
-  const Real held = Max(a, law.a_thr);
+  const Real held = larger(a, law.a_thr);
   return MulAdd(law.k, held - a, MulSub(law.gamma, Inverse(held - law.a_min), law.h));
 }
 
@@ -49,8 +49,8 @@ struct Cohesion {
 template <class Real>
 HWY_INLINE Cohesion<Real> cohesionAcross(const CohesionOf<Real>& cohesion, Real gap) {
   const Real u =
-      Max(Min(NegMulAdd(gap, cohesion.two_per_range, cohesion.one), cohesion.one), cohesion.zero - cohesion.one);
-  const Real growing = Max(u, cohesion.zero);
+      larger(smaller(NegMulAdd(gap, cohesion.two_per_range, cohesion.one), cohesion.one), cohesion.zero - cohesion.one);
+  const Real growing = larger(u, cohesion.zero);
   return {cohesion.largest * NegMulAdd(u, u, cohesion.one), cohesion.largest * growing * growing};
 }
 
@@ -65,7 +65,7 @@ struct CohesiveContact {
 template <class Real>
 HWY_INLINE CohesiveContact<Real> cohesiveContact(const LawOf<Real>& law, const CohesionOf<Real>& constants,
                                                  Real diameter, Real a) {
-  const Real repulsion = Max(uncutContactForce(law, a), constants.zero);
+  const Real repulsion = larger(uncutContactForce(law, a), constants.zero);
   const Cohesion<Real> cohesion = cohesionAcross(constants, a - diameter);
   return {repulsion - cohesion.pull, repulsion + cohesion.weight};
 }
@@ -74,7 +74,7 @@ HWY_INLINE CohesiveContact<Real> cohesiveContact(const LawOf<Real>& law, const C
 /// to a_thr, and k from there on.
 template <class Real>
 HWY_INLINE Real rootOfStiffness(const LawOf<Real>& law, Real a) {
-  return Inverse(Max(a, law.a_thr) - law.a_min);
+  return Inverse(larger(a, law.a_thr) - law.a_min);
 }
 
 }  // namespace haptolith::HWY_NAMESPACE

@@ -26,7 +26,7 @@ std::uint32_t nearBoxOf(const ToolBox& box, float reach_m, const Float4* group) 
       const auto& a = box.axes[axis];
       const V along = MulAdd(x, hn::Set(d, a[0]), MulAdd(y, hn::Set(d, a[1]), z * hn::Set(d, a[2])));
       const V outside =
-          Max(hn::Abs(along - hn::Set(d, box.middle_m[axis])) - hn::Set(d, box.half_edges_m[axis]), hn::Zero(d));
+          larger(hn::Abs(along - hn::Set(d, box.middle_m[axis])) - hn::Set(d, box.half_edges_m[axis]), hn::Zero(d));
       squared = MulAdd(outside, outside, squared);
     }
     std::uint8_t bits[8] = {};

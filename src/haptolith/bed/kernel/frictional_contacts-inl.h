@@ -104,7 +104,7 @@ struct PairLaw {
   /// @param normal  F_n, repulsion positive, N. @param parting  v_n, positive when separating, m/s.
   HWY_INLINE V damped(V normal, V a, V parting) const {
     const V with_damping = NegMulAdd(damping * rootOfStiffness(law, a), parting, normal);
-    return Max(with_damping, Min(normal, cohesion.zero));
+    return larger(with_damping, smaller(normal, cohesion.zero));
   }
 
   struct PairDistance {

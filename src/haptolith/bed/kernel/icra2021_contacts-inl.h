@@ -48,7 +48,7 @@ struct Icra2021Contacts {
       sums.x = MulAdd(per_metre, d.x, sums.x);
       sums.y = MulAdd(per_metre, d.y, sums.y);
       sums.z = MulAdd(per_metre, d.z, sums.z);
-      sums.repulsion = sums.repulsion + Max(force, zero);
+      sums.repulsion = sums.repulsion + larger(force, zero);
       sums.contacts = sums.contacts + hn::IfThenElseZero(a.metres < diameter, one);
     }
     return sums;

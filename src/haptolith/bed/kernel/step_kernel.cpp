@@ -62,7 +62,7 @@ HWY_INLINE void integrate(const StepConstants& now, const ClassConstants& own, c
   storeFloat4(next, arrays.next_position + at.particle());
 
   const V speed_squared = MulAdd(velocity.x, velocity.x, MulAdd(velocity.y, velocity.y, velocity.z * velocity.z));
-  fastest_squared = Max(fastest_squared, speed_squared);
+  fastest_squared = larger(fastest_squared, speed_squared);
   const bool moving = !hn::AllTrue(d, speed_squared <= set(now.rest_squared));
   std::uint8_t& any_moving = arrays.moving[at.group];
   any_moving = static_cast<std::uint8_t>(moving || (at.in_group > 0 && any_moving != 0));
@@ -142,9 +142,9 @@ void icra2021In(const KernelLaw& law, const StepConstants& now, const StepBox& b
 
     // Moving friction (paper 14, lower case) against the velocity; it stops the particle but never turns it round.
     const V huge = set(1e30F);  // clamped, so that friction cannot hide an infinite velocity
-    const V speed_squared = Min(MulAdd(vx, vx, MulAdd(vy, vy, MulAdd(vz, vz, set(1e-30F)))), huge);
+    const V speed_squared = smaller(MulAdd(vx, vx, MulAdd(vy, vy, MulAdd(vz, vz, set(1e-30F)))), huge);
     const V slowed_by = per_mass * set(now.moving_friction) * sums.repulsion;
-    V left = Max(NegMulAdd(slowed_by, InverseSqrt(speed_squared), one), zero);
+    V left = larger(NegMulAdd(slowed_by, InverseSqrt(speed_squared), one), zero);
 
     // A particle at rest stays at rest up to the static limit (paper 14, upper case).
     const V limit = set(now.static_friction) * sums.repulsion;

@@ -71,8 +71,8 @@ HWY_INLINE PackOverlap overlapOf(const StoneBesidePack& stone, const Triple<V>& 
     const Float4& sphere = stone.spheres[number];
     const Triple<V> apart = minus(place, {set(sphere.x), set(sphere.y), set(sphere.z)});
     const V radii = set(sphere.w) + own;
-    const V squared = Max(dot(apart, apart), set(1e-20F));  // coinciding centres also have a distance
-    const V matters = radii - Min(nearest, zero);
+    const V squared = larger(dot(apart, apart), set(1e-20F));  // coinciding centres also have a distance
+    const V matters = radii - smaller(nearest, zero);
     if (hn::AllFalse(d, squared < matters * matters)) {
       continue;
     }
@@ -82,7 +82,7 @@ HWY_INLINE PackOverlap overlapOf(const StoneBesidePack& stone, const Triple<V>& 
     const auto deeper = depth > nearest;
     nearest = hn::IfThenElse(deeper, depth, nearest);
     nearest_towards = chosen(deeper, towards, nearest_towards);
-    const V inside = set(kPerMetre) * Max(depth, zero);
+    const V inside = set(kPerMetre) * larger(depth, zero);
     const V cubed = inside * inside * inside;
     gradient = {MulAdd(cubed, towards.x, gradient.x), MulAdd(cubed, towards.y, gradient.y),
                 MulAdd(cubed, towards.z, gradient.z)};

@@ -1,7 +1,7 @@
-// Arithmetic of the kernels with the same bits on every instruction set, under Highway's names for single numbers too, so
-// that one expression serves both. Quotients and roots are IEEE 754's instead of a processor's first guess. MulAdd,
-// MulSub and NegMulAdd of vectors are fused, with one rounding; SSE and WebAssembly have no such instruction and come to
-// separate bits (kFused). Included again for every target, therefore the toggled guard (Highway's idiom).
+// Arithmetic of the kernels with the same bits on every instruction set, under Highway's names for single numbers too,
+// so that one expression serves both. Quotients and roots are IEEE 754's instead of a processor's first guess. MulAdd,
+// MulSub and NegMulAdd of vectors are fused, with one rounding; SSE and WebAssembly have no such instruction and come
+// to separate bits (kFused). Included again for every target, therefore the toggled guard (Highway's idiom).
 
 #if defined(HAPTOLITH_ARITHMETIC_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HAPTOLITH_ARITHMETIC_INL_H_
@@ -23,16 +23,16 @@ inline constexpr bool kFused = HWY_TARGET == HWY_SCALAR || (HWY_ARCH_X86 && HWY_
 
 // --- single numbers: products and sums are rounded separately ---
 
-inline double Max(double a, double b) {
+inline double larger(double a, double b) {
   return std::max(a, b);
 }
-inline float Max(float a, float b) {
+inline float larger(float a, float b) {
   return std::max(a, b);
 }
-inline double Min(double a, double b) {
+inline double smaller(double a, double b) {
   return std::min(a, b);
 }
-inline float Min(float a, float b) {
+inline float smaller(float a, float b) {
   return std::min(a, b);
 }
 
@@ -67,7 +67,7 @@ inline float InverseSqrt(float a) {
   return 1 / std::sqrt(a);
 }
 
-// --- vectors: Highway's, unless one of these replaces it ---
+// --- vectors ---
 
 using VectorOfFloats = hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::CappedTag<float, 16> >;
 
@@ -86,17 +86,23 @@ HWY_INLINE VectorOfFloats NegMulAdd(VectorOfFloats a, VectorOfFloats b, VectorOf
 
 #endif
 
-#if !HWY_ARCH_X86 || HWY_TARGET == HWY_SCALAR
-
-/// The second of two equal numbers, and of a number and NaN, as x86 does; others put -0 below 0.
-HWY_INLINE VectorOfFloats Max(VectorOfFloats a, VectorOfFloats b) {
+/// Returns the second of two equal numbers, and of a number and NaN, as x86 does; others put -0 below 0.
+template <class V>
+HWY_INLINE V larger(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+  return hwy::HWY_NAMESPACE::Max(a, b);
+#else
   return hwy::HWY_NAMESPACE::IfThenElse(a > b, a, b);
-}
-HWY_INLINE VectorOfFloats Min(VectorOfFloats a, VectorOfFloats b) {
-  return hwy::HWY_NAMESPACE::IfThenElse(a < b, a, b);
-}
-
 #endif
+}
+template <class V>
+HWY_INLINE V smaller(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+  return hwy::HWY_NAMESPACE::Min(a, b);
+#else
+  return hwy::HWY_NAMESPACE::IfThenElse(a < b, a, b);
+#endif
+}
 
 template <class V>
 HWY_INLINE V Inverse(V a) {
