@@ -66,8 +66,8 @@ typedef struct hapto_recording_info {
 } hapto_recording_info;
 HAPTO_API int32_t hapto_recording_get_info(const hapto_recording *recording, hapto_recording_info *out);
 /* The header as a JSON object: "scenario" (the scene as TOML), "title", "program_version", "instruction_set", "arithmetic"
- * (set of bits that a replay needs: "fused" or "unfused"; "" up to version 0.2), "device", "device_limits", "host", "started_utc",
- * "seed", "threads", "hashed_parts". With the bytes needed, as hapto_scene_get_toml(). */
+ * (set of bits that a replay needs: "fused" or "unfused"; "" for release 0.2.0 and earlier), "device", "device_limits", "host",
+ * "started_utc", "seed", "threads", "hashed_parts". With the bytes needed, as hapto_scene_get_toml(). */
 HAPTO_API int32_t hapto_recording_get_header(const hapto_recording *recording, char *json, uint64_t capacity, uint64_t *needed);
 /* Events, as a JSON array of objects: "time_s", "tick", "kind", "text". Lengths as above. */
 HAPTO_API int32_t hapto_recording_get_events(const hapto_recording *recording, char *json, uint64_t capacity, uint64_t *needed);
