@@ -161,8 +161,8 @@ std::vector<Pose> startingPlaces(const BedParameters& bed, const Stones& stones,
     bool found = false;
     for (int t = 0; t < kTries && !found && width_m >= 0 && length_m >= 0; ++t) {
       const double depth_m = uniform(random, bed.stones.shallowest_m, bed.stones.deepest_m);
-      const Vec3 place(uniform(random, -width_m, width_m), uniform(random, -length_m, length_m),
-                       std::max(surface_m - depth_m, shape.reach_m));
+      const Vec3 place{uniform(random, -width_m, width_m), uniform(random, -length_m, length_m),
+                       std::max(surface_m - depth_m, shape.reach_m)};
       found = standing.hasRoomFor(shape, place);
       if (found) {
         standing.add(shape, place);
@@ -218,8 +218,8 @@ void Bed::moveOutOfStones() {
     constexpr int kTries = 8;
     Vec3 lowest = Vec3::Constant(std::numeric_limits<double>::max());
     for (int t = 0; t < kTries; ++t) {
-      Vec3 place(uniform(random, grain_m - parameters_.width_m / 2, parameters_.width_m / 2 - grain_m),
-                 uniform(random, grain_m - parameters_.length_m / 2, parameters_.length_m / 2 - grain_m), grain_m);
+      Vec3 place{uniform(random, grain_m - parameters_.width_m / 2, parameters_.width_m / 2 - grain_m),
+                 uniform(random, grain_m - parameters_.length_m / 2, parameters_.length_m / 2 - grain_m), grain_m};
       const auto raise_above = [&](const Vec3& other, double reach_m) {
         const double beside = (other - place).head<2>().squaredNorm();
         if (beside < reach_m * reach_m) {

@@ -45,7 +45,7 @@ SoilCheck::SoilCheck(const Training& training, const Training& hidden) {
     MeasuredForces forces = measuredForces(run, kNoise_n, run.number);
     std::mt19937_64 random(run.number);
     const Vec3 bias_n =
-        kBias_n * std::numbers::sqrt3 * Vec3(uniformSigned(random), uniformSigned(random), uniformSigned(random));
+        kBias_n * std::numbers::sqrt3 * Vec3{uniformSigned(random), uniformSigned(random), uniformSigned(random)};
     for (std::optional<Vec3>& force_n : forces) {
       *force_n += bias_n;
     }
