@@ -30,9 +30,9 @@ constexpr double kInnerSkinRadii = 0.1;
 /// faster than 0.05 mm/s moves. In wider boxes remainders are kept.
 constexpr double kExactWidth_m = 1;
 
-/// Smallest number of particles for which waking a thread, about 100 us, is worthwhile; contacts with friction take
-/// three times as long as those of icra2021, with several substeps per tick. Two threads become faster than one there
-/// in `haptolith bench` on two cores, to a power of two.
+/// Smallest number of particles per thread for which waking one more, about 100 us, is worthwhile; contacts with
+/// friction take three times as long as those of icra2021, with several substeps per tick. Two threads become faster
+/// than one there in `haptolith bench` on two cores, to a power of two.
 std::size_t particlesPerThread(FrictionModel friction) {
   return friction == FrictionModel::kContact ? 512 : 4096;
 }
