@@ -14,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-/// Of version 0.2 and earlier; version 0.4 no longer needs them.
+/// A command of version 0.2 and earlier; version 0.4 no longer needs these.
 struct FormerCommand {
   std::string_view former, current;  ///< may end with an option
 };

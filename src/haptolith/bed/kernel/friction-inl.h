@@ -61,7 +61,7 @@ HWY_INLINE V shareWithin(Mask touching, V reach, V squared) {
   return hwy::HWY_NAMESPACE::IfThenElse(slides, reach / hwy::HWY_NAMESPACE::Sqrt(squared), one);
 }
 
-/// What is left of a part of the stretch: nothing in lanes that do not touch.
+/// Remaining part of the stretch: none in lanes that do not touch.
 template <class Real>
 HWY_INLINE Real kept(Touches, Real stretch) {
   return stretch;

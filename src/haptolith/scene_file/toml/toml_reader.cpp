@@ -112,7 +112,7 @@ TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(curre
 
 TomlReader::TomlReader(const fs::path& path, std::string_view text, const FileKind& kind) : path_(path), kind_(kind) {
   table_ = std::make_shared<toml::table>(parse(text));
-  useCurrentKeys(*table_, "", currentName);  // a recording tells nobody of the names in it
+  useCurrentKeys(*table_, "", currentName);  // recordings report no former names
 }
 
 TomlReader::TomlReader(const TomlReader& whole, std::string_view name, toml::table& part)
