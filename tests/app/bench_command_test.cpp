@@ -32,7 +32,8 @@ TEST(BenchCommand, PrintsARowForEveryCombination) {
 }
 
 TEST(BenchCommand, RefusesWhatCannotBe) {
-  for (const char* wrong : {"--particles 0", "--threads 0", "--friction-model none", "--motion scoop", "--duration-s 0"}) {
+  for (const char* wrong :
+       {"--particles 0", "--threads 0", "--friction-model none", "--motion scoop", "--duration-s 0"}) {
     const ProgramResult result = runHaptolith(std::string("bench ") + wrong);
     EXPECT_EQ(result.exit_status, 2) << wrong << result.errors;
     EXPECT_THAT(result.errors, HasSubstr("error:")) << wrong;

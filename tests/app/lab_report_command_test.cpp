@@ -62,8 +62,9 @@ TEST_F(LabReportCommand, IsTheSameAfterAnInterruptAsWithoutOne) {
   const ProgramResult interrupted = runInShell(stopped("parts", "--seeds 2", "kill -INT $p"));
   EXPECT_EQ(interrupted.exit_status, 1);
   EXPECT_THAT(interrupted.errors, ContainsRegex("interrupted: [1-3] of 4 results are saved in .*parts; .*--resume"));
-  EXPECT_THAT(page("parts"), AllOf(HasSubstr("(unfinished)"), ContainsRegex("Missing: free-fall .*icra2021: seeds? .*2"),
-                                   HasSubstr("of 2 seeds so far)")));
+  EXPECT_THAT(page("parts"),
+              AllOf(HasSubstr("(unfinished)"), ContainsRegex("Missing: free-fall .*icra2021: seeds? .*2"),
+                    HasSubstr("of 2 seeds so far)")));
   const std::string first = textOf(firstResult("parts"));
 
   const ProgramResult resumed = runHaptolith(reportIn("parts", "--seeds 2 --resume"));

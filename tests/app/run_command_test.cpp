@@ -332,9 +332,10 @@ TEST_F(RunCommand, ARunCutShortHasFailedButKeepsWhatItHas) {
 
 TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
   // A file may not grow beyond 8 blocks of 1 KiB here; the signal for that is ignored, so that write() fails.
-  const ProgramResult result = runInShell(fmt::format(
-      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --no-realtime --duration-s 60 --trace {}'",
-      file("trace.csv")));
+  const ProgramResult result =
+      runInShell(fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --no-realtime "
+                             "--duration-s 60 --trace {}'",
+                             file("trace.csv")));
   EXPECT_EQ(result.exit_status, 1);
   EXPECT_THAT(result.errors, HasSubstr("cannot write"));
   EXPECT_THAT(result.errors, HasSubstr("trace.csv"));
@@ -343,20 +344,23 @@ TEST_F(RunCommand, AFullDiskIsAFailureAndLeavesNothingBehind) {
 
 TEST_F(RunCommand, AnOldTraceStaysWhenTheNewOneFails) {
   writeFile("trace.csv", "precious\n");
-  runInShell(fmt::format(
-      "bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --no-realtime --duration-s 60 --trace {}'",
-      file("trace.csv")));
+  runInShell(
+      fmt::format("bash -c 'trap \"\" XFSZ; ulimit -f 8; exec \"$HAPTOLITH\" run icra2021 --no-realtime --duration-s "
+                  "60 --trace {}'",
+                  file("trace.csv")));
   EXPECT_EQ(readCsv(file("trace.csv"))[0][0], "precious");
 }
 
 TEST_F(RunCommand, FilesThatCannotBeWrittenAreRefusedAtOnce) {
-  const ProgramResult trace = runHaptolith("run icra2021 --no-realtime --duration-s 1000 --trace /no/such/folder/t.csv");
+  const ProgramResult trace =
+      runHaptolith("run icra2021 --no-realtime --duration-s 1000 --trace /no/such/folder/t.csv");
   EXPECT_EQ(trace.exit_status, 1);
   EXPECT_THAT(trace.errors, HasSubstr("/no/such/folder/t.csv"));
   const ProgramResult figure = runHaptolith("run icra2021 --no-realtime --duration-s 1000 --figure " + file("run.gif"));
   EXPECT_EQ(figure.exit_status, 2);
   EXPECT_THAT(figure.errors, HasSubstr(".svg or .png"));
-  const ProgramResult lost = runHaptolith("run icra2021 --no-realtime --duration-s 1000 --figure /no/such/folder/run.png");
+  const ProgramResult lost =
+      runHaptolith("run icra2021 --no-realtime --duration-s 1000 --figure /no/such/folder/run.png");
   EXPECT_EQ(lost.exit_status, 1);
 }
 
@@ -524,8 +528,8 @@ TEST_F(RunCommand, ASceneLoadsNoLibrary) {
 
 TEST_F(RunCommand, PosesWithoutEndAreRefused) {
   fs::create_symlink("/dev/zero", file("zero.csv"));
-  const ProgramResult result =
-      runHaptolith(fmt::format("run icra2021 --poses '{}' --duration-s 0.05 --no-realtime --no-serve", file("zero.csv")));
+  const ProgramResult result = runHaptolith(
+      fmt::format("run icra2021 --poses '{}' --duration-s 0.05 --no-realtime --no-serve", file("zero.csv")));
   EXPECT_EQ(result.exit_status, 2);
   EXPECT_THAT(result.errors, HasSubstr("zero.csv' is not valid: must be a file; it is a device"));
 }
@@ -562,8 +566,8 @@ TEST_F(RunCommand, ARecordingIsNamedAsOneAndReplacesNothingElse) {
   EXPECT_EQ(named.exit_status, 2);
   EXPECT_THAT(named.errors, HasSubstr("a file name ending in .h5"));
   writeFile("notes.h5", "mine");
-  const ProgramResult replaced = runHaptolith(
-      fmt::format("run icra2021 --duration-s 0.02 --no-realtime --no-serve --overwrite --record '{}'", file("notes.h5")));
+  const ProgramResult replaced = runHaptolith(fmt::format(
+      "run icra2021 --duration-s 0.02 --no-realtime --no-serve --overwrite --record '{}'", file("notes.h5")));
   EXPECT_EQ(replaced.exit_status, 1);
   EXPECT_THAT(replaced.errors, HasSubstr("notes.h5: it is not a recording"));
   EXPECT_EQ(files(), std::vector<std::string>{"notes.h5"});

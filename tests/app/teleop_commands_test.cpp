@@ -169,7 +169,8 @@ print(json.dumps({'reports': len(reports),
   EXPECT_LT(sides["furthest_m"].get<double>(), 3e-3) << "of the robot's tool from the operator's at the same tick";
   EXPECT_GT(sides["earliest_s"].get<double>(), -1e-9) << "none is heard before its command";
   const std::string without_robot = (folder / "icra2021.h5").string();
-  ASSERT_EQ(runHaptolith("run icra2021 --no-serve --no-realtime --duration-s 0.05 --record " + without_robot).exit_status, 0);
+  ASSERT_EQ(
+      runHaptolith("run icra2021 --no-serve --no-realtime --duration-s 0.05 --record " + without_robot).exit_status, 0);
   const ProgramResult none = runHaptolith("export " + without_robot + " --format robot-csv");
   EXPECT_EQ(none.exit_status, 1);
   EXPECT_THAT(none.errors, HasSubstr("no reports of a robot"));
@@ -185,7 +186,8 @@ TEST(TeleopCommands, BothEndsStayOnThisMachineWithoutAKey) {
   const ProgramResult robot = runHaptolith("teleop robot icra2021 --listen 0.0.0.0:7410 --duration-s 1");
   EXPECT_EQ(robot.exit_status, 2);
   EXPECT_THAT(robot.errors, AllOf(HasSubstr("0.0.0.0:7410"), HasSubstr("--key-file")));
-  const ProgramResult lead = runHaptolith("teleop operator icra2021 --connect 192.0.2.1:7410 --duration-s 1 --no-serve");
+  const ProgramResult lead =
+      runHaptolith("teleop operator icra2021 --connect 192.0.2.1:7410 --duration-s 1 --no-serve");
   EXPECT_EQ(lead.exit_status, 2);
   EXPECT_THAT(lead.errors, AllOf(HasSubstr("192.0.2.1:7410"), HasSubstr("--key-file")));
   EXPECT_THAT(runHaptolith("teleop operator icra2021").errors, HasSubstr("--connect"));

@@ -103,8 +103,8 @@ using Names = std::vector<const char*>;
 const std::vector<std::pair<const char*, Names>>& optionGroups() {
   static const std::vector<std::pair<const char*, Names>> kGroups{
       {"Soil and scene",
-       {"--set", "--preset", "--soil", "--friction-model", "--body", "--auto-resolution", "--coarser", "--measure-again",
-        "--model", "--site", "--set-site", "--radius-mm", "--stiffness-n-m"}},
+       {"--set", "--preset", "--soil", "--friction-model", "--body", "--auto-resolution", "--coarser",
+        "--measure-again", "--model", "--site", "--set-site", "--radius-mm", "--stiffness-n-m"}},
       {"Hand and device",
        {"--motion", "--poses", "--device", "--device-id", "--device-library", "--device-address", "--device-key-file",
         "--device-insecure"}},

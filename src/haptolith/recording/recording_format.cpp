@@ -30,7 +30,8 @@ std::string whyOtherBits(const RecordingHeader& header) {
   return header.arithmetic == arithmetic()
              ? ""
              : fmt::format("it was recorded with {} arithmetic, and this run uses {} arithmetic ({}): set {}",
-                           header.arithmetic, arithmetic(), instructionSetName(simdTarget()), targetsWith(header.arithmetic));
+                           header.arithmetic, arithmetic(), instructionSetName(simdTarget()),
+                           targetsWith(header.arithmetic));
 }
 
 void stampNow(RecordingHeader& header) {

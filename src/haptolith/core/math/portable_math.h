@@ -4,8 +4,8 @@
 
 /// Functions with the same bits on every processor and C library: they use only sums, products, quotients and square
 /// roots, which IEEE 754 rounds correctly, and the build allows no contraction. C libraries differ in the last bit. The
-/// bed, its tools and the loop use these instead of those of <cmath>; tests/core/portable_math_test.cpp has their errors.
-/// All may be called in the tick.
+/// bed, its tools and the loop use these instead of those of <cmath>; tests/core/portable_math_test.cpp has their
+/// errors. All may be called in the tick.
 namespace haptolith::portable {
 
 /// Sine and cosine of an angle in rad, |x| <= 1e5, with an absolute error below 3e-16.

@@ -33,8 +33,8 @@ struct SceneSnapshot {
   double tick_us_lately = 0;  ///< the longest tick since the snapshot before
   std::size_t awake = 0;      ///< particles that are worked on
   bool paused = false;
-  SafetyTrip trip = SafetyTrip::kNone;  ///< why the hand feels nothing just now
-  std::uint32_t trips = 0;              ///< so far
+  SafetyTrip trip = SafetyTrip::kNone;                       ///< why the hand feels nothing just now
+  std::uint32_t trips = 0;                                   ///< so far
   std::array<std::uint64_t, kTicksPerSnapshot> copied_at{};  ///< Bed::changes() when each part was copied
 };
 
