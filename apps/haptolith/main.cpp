@@ -180,7 +180,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, like a full disk
   try {
     logToStandardError();
-    reportFormerNames(warn);
+    onFormerName(warn);
     std::vector<std::string> arguments = currentArguments({argv, argv + argc});
     std::vector<char*> pointers;
     std::ranges::transform(arguments, std::back_inserter(pointers), [](std::string& text) { return text.data(); });

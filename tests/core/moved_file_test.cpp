@@ -23,10 +23,10 @@ class MovedFileTest : public testing::Test {
     fs::create_directories(folder_ / "scenes");
     std::ofstream(folder_ / "scenes" / "sand.csv") << "1\n";
     std::ofstream(folder_ / "scenes" / "plate-recorded.csv") << "2\n";
-    reportFormerNames([this](std::string_view line) { reported_.emplace_back(line); });
+    onFormerName([this](std::string_view line) { reported_.emplace_back(line); });
   }
   ~MovedFileTest() override {
-    reportFormerNames({});
+    onFormerName({});
     fs::remove_all(folder_);
   }
 

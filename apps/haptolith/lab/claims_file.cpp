@@ -69,7 +69,7 @@ std::vector<ClaimKey> claimKeys() {
       {"", "specimens_times", "",
        ClaimKey::CountValue{{1, 100}, [](M& m, std::int64_t v) { m.specimens_times = v; }, kOnlyRead}, ""},
       {"", "test", "",
-       Text{[](M& m, std::string_view v) { m.run.test = currentNameTold(NameKind::kLabTest, v); }, kOnlyRead}, ""},
+       Text{[](M& m, std::string_view v) { m.run.test = currentNameReported(NameKind::kLabTest, v); }, kOnlyRead}, ""},
       {"", "soil", "", Text{[](M& m, std::string_view v) { m.run.soil = v; }, kOnlyRead, TextSize::kPath}, ""},
       {"", "body", "", Text{[](M& m, std::string_view v) { m.run.body = v; }, kOnlyRead}, ""},
       {"", "radius_mm", "", Number{kRadius_mm, [](M& m, double v) { m.run.radius_mm = v; }, kOnlyRead}, ""},

@@ -380,7 +380,7 @@ std::vector<std::string> testNames() {
 /// Returns a transform of the name of a test in an earlier version.
 CLI::Validator toCurrentTest() {
   return {[](std::string& name) {
-            name = std::string(currentNameTold(NameKind::kLabTest, name));
+            name = std::string(currentNameReported(NameKind::kLabTest, name));
             return std::string();
           },
           ""};

@@ -63,8 +63,8 @@ constexpr std::array kFormerOptions{
     FormerOption{"teleop", "--to", "--connect"},
 };
 
-void tell(std::string_view former, std::string_view current) {
-  tellOfFormerName(fmt::format("{} is now {}; the old name works until version 0.4", former, current));
+void report(std::string_view former, std::string_view current) {
+  reportFormerName(fmt::format("{} is now {}; the old name works until version 0.4", former, current));
 }
 
 std::vector<std::string> wordsOf(std::string_view text) {
@@ -84,7 +84,7 @@ void replaceCommand(std::vector<std::string>& arguments) {
       const auto after = arguments.erase(arguments.begin() + 1, arguments.begin() + 1 + std::ssize(words));
       const std::vector<std::string> today = wordsOf(current);
       arguments.insert(after, today.begin(), today.end());
-      tell(former, current);
+      report(former, current);
       return;
     }
   }
@@ -95,7 +95,7 @@ void replaceOption(std::string& argument, const FormerOption& option) {
   const bool has_value = argument.size() > option.former.size() && argument[option.former.size()] == '=';
   if (argument.starts_with(option.former) && (has_value || argument.size() == option.former.size())) {
     argument.replace(0, option.former.size(), option.current);
-    tell(option.former, option.current);
+    report(option.former, option.current);
   }
 }
 

@@ -41,7 +41,7 @@ template <class Value>
     words.push_back(word);
   }
   const auto read = [table, words](std::string& text) -> std::string {
-    const auto entry = table.find(std::string(currentNameTold(NameKind::kWord, CLI::detail::to_lower(text))));
+    const auto entry = table.find(std::string(currentNameReported(NameKind::kWord, CLI::detail::to_lower(text))));
     if (entry == table.end()) {
       return notAmong(words, text);
     }

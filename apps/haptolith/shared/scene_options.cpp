@@ -86,7 +86,7 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
 
 std::string SceneOptions::scene() const {
   if (!name_or_file.empty()) {
-    return std::string(currentNameTold(NameKind::kScene, name_or_file));
+    return std::string(currentNameReported(NameKind::kScene, name_or_file));
   }
   return preset ? "icra2021" : usual;
 }

@@ -272,7 +272,7 @@ void addStudyIdealObserverCommand(CLI::App& study) {
       ->excludes(protocols)
       ->capture_default_str();
   command->add_option("--friction-model", options->friction, "Friction model")
-      ->transform([](const std::string& word) { return std::string(currentNameTold(NameKind::kWord, word)); }, "")
+      ->transform([](const std::string& word) { return std::string(currentNameReported(NameKind::kWord, word)); }, "")
       ->check(oneOf({"icra2021", "contact", "both"}))
       ->excludes(protocols)
       ->capture_default_str();

@@ -427,7 +427,8 @@ void addTeleopBench(CLI::App& teleop) {
           "soil, another realisation")
       ->option_text("CASE,... [static,adaptive,bilateral,oracle]")
       ->delimiter(',')
-      ->transform([](const std::string& word) { return std::string(currentNameTold(NameKind::kTeleopCase, word)); }, "")
+      ->transform([](const std::string& word) { return std::string(currentNameReported(NameKind::kTeleopCase, word)); },
+                  "")
       ->check(oneOf({"static", "calibrated", "adaptive", "calibrated+adaptive", "none", "bilateral", "oracle"}));
   command
       ->add_option("--task", options->task,

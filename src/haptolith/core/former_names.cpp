@@ -59,7 +59,7 @@ bool sameWord(std::string_view one, std::string_view other) {
 struct Reports {
   std::mutex mutex;
   std::function<void(std::string_view)> report;
-  std::set<std::string, std::less<>> told;
+  std::set<std::string, std::less<>> reported;
 };
 
 Reports& reports() {
@@ -75,22 +75,22 @@ std::string_view currentName(NameKind kind, std::string_view name) noexcept {
   return entry == kFormerNames.end() ? name : entry->current;
 }
 
-std::string_view currentNameTold(NameKind kind, std::string_view name) {
+std::string_view currentNameReported(NameKind kind, std::string_view name) {
   const std::string_view current = currentName(kind, name);
   if (current != name) {
-    tellOfFormerName(fmt::format("{} is now {}; the old name works until version 0.4", name, current));
+    reportFormerName(fmt::format("{} is now {}; the old name works until version 0.4", name, current));
   }
   return current;
 }
 
-void tellOfFormerName(std::string_view line) {
+void reportFormerName(std::string_view line) {
   const std::lock_guard lock(reports().mutex);
-  if (reports().report && reports().told.emplace(line).second) {
+  if (reports().report && reports().reported.emplace(line).second) {
     reports().report(line);
   }
 }
 
-void reportFormerNames(std::function<void(std::string_view)> report) {
+void onFormerName(std::function<void(std::string_view)> report) {
   const std::lock_guard lock(reports().mutex);
   reports().report = std::move(report);
 }

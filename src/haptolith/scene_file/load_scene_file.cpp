@@ -204,7 +204,7 @@ SceneFile read(const TomlReader& reader, From from, SceneFile scene = {}) {
 }
 
 TomlReader readerOf(std::string_view name_or_file) {
-  const std::string_view name = currentNameTold(NameKind::kScene, name_or_file);
+  const std::string_view name = currentNameReported(NameKind::kScene, name_or_file);
   for (const BuiltInScene& scene : builtInScenes()) {
     if (name == scene.name) {
       return {fmt::format("scenes/{}.toml", scene.name), scene.text, kScene};

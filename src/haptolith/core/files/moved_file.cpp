@@ -24,7 +24,7 @@ fs::path currentPath(const fs::path& path) {
   if (!fs::exists(current, ignored)) {
     return path;
   }
-  tellOfFormerName(fmt::format("{} is now {}", path.string(), current.string()));
+  reportFormerName(fmt::format("{} is now {}", path.string(), current.string()));
   return current;
 }
 

@@ -70,7 +70,7 @@ std::vector<LabTest> labTests() {
 
 LabTest labTest(std::string_view name) {
   std::vector<LabTest> tests = labTests();
-  const auto found = std::ranges::find(tests, currentNameTold(NameKind::kLabTest, name), &LabTest::name);
+  const auto found = std::ranges::find(tests, currentNameReported(NameKind::kLabTest, name), &LabTest::name);
   if (found != tests.end()) {
     return std::move(*found);
   }

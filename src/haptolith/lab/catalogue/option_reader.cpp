@@ -42,7 +42,7 @@ double numberIn(const std::string& key, const toml::node& node) {
 std::string currentKey(std::string_view key) {
   constexpr std::string_view kTable = "lab.";
   const std::string full = fmt::format("{}{}", kTable, key);
-  return std::string(currentNameTold(NameKind::kKey, full).substr(kTable.size()));
+  return std::string(currentNameReported(NameKind::kKey, full).substr(kTable.size()));
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ void setOption(const LabOption& option, const toml::node& node) {
                    auto given = word.words.empty() && node.is_number() ? std::optional(shown(node))
                                                                        : node.value_exact<std::string>();
                    if (given && !word.words.empty()) {
-                     given = std::string(currentNameTold(NameKind::kWord, *given));
+                     given = std::string(currentNameReported(NameKind::kWord, *given));
                    }
                    if (!given || (!word.words.empty() && std::ranges::find(word.words, *given) == word.words.end())) {
                      refuse(key, node,

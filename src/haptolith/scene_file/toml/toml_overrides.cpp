@@ -34,7 +34,7 @@ Override parsedOverride(const std::string& text) {
     const InvalidParameter wrong("override", fmt::format("'{}'", shortened(text)), std::string(kOverrideValid));
     throw TomlError(wrong.what(), 0, wrong);
   }
-  const std::string current(currentNameTold(NameKind::kKey, name));
+  const std::string current(currentNameReported(NameKind::kKey, name));
   const std::size_t dot = current.find('.');
   return {.table = dot == std::string::npos ? "" : current.substr(0, dot),
           .key = dot == std::string::npos ? current : current.substr(dot + 1),

@@ -73,7 +73,7 @@ std::string dotted(const KeyName& key) {
 
 /// Renames the keys of `table` that earlier versions called otherwise; a key whose current name is also there stays.
 /// @param name  of the table, last part
-/// @param current  currentName() or currentNameTold()
+/// @param current  currentName() or currentNameReported()
 void useCurrentKeys(toml::table& table, std::string_view name,
                     const std::function<std::string_view(NameKind, std::string_view)>& current) {
   std::vector<std::pair<std::string, std::string>> renamed;
@@ -107,7 +107,7 @@ void useCurrentKeys(toml::table& table, std::string_view name,
 
 TomlReader::TomlReader(const fs::path& path, const FileKind& kind) : path_(currentPath(path)), kind_(kind) {
   table_ = std::make_shared<toml::table>(parse(readText()));
-  useCurrentKeys(*table_, "", currentNameTold);
+  useCurrentKeys(*table_, "", currentNameReported);
 }
 
 TomlReader::TomlReader(const fs::path& path, std::string_view text, const FileKind& kind) : path_(path), kind_(kind) {

@@ -308,7 +308,7 @@ std::vector<std::string_view> protocolNames() {
 
 ProtocolText findProtocol(std::string_view name_or_file) {
   const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-  const std::string_view name = currentNameTold(NameKind::kProtocol, name_or_file);
+  const std::string_view name = currentNameReported(NameKind::kProtocol, name_or_file);
   for (const BuiltInProtocol& protocol : builtInProtocols()) {
     if (std::ranges::equal(name, protocol.name, same_letter)) {
       return {.name = std::string(protocol.name), .text = std::string(protocol.text)};
