@@ -16,10 +16,12 @@ TEST(SoilCheck, HiddenSoilsAreTold) {
   const SoilCheck check(probeTraining(), hidden);
   ASSERT_GE(check.soils().size(), 20U);
   const std::vector<CheckedNumber> numbers = check.numbers(false);
-  EXPECT_LE(numbers[0].median_error, 2) << "degrees of friction angle";
-  EXPECT_LE(numbers[1].median_error, 50) << "Pa of cohesion";
-  EXPECT_LE(numbers[2].median_error, 40) << "% of cohesion of 250 Pa and more; docs/reports/identification.md has 29";
-  EXPECT_LE(numbers[3].median_error, 3) << "degrees of soil-tool friction";
+  // With 12 other noises and zero errors of the sensor: 1.6 to 2.2 degrees, 36 to 51 Pa, 26 to 32 %, 2.1 to 3.0
+  // degrees, with standard deviations of 0.2, 4.2, 1.6 and 0.25.
+  EXPECT_LE(numbers[0].median_error, 2.5) << "degrees of friction angle";
+  EXPECT_LE(numbers[1].median_error, 56) << "Pa of cohesion";
+  EXPECT_LE(numbers[2].median_error, 34) << "% of cohesion of 250 Pa and more; docs/reports/identification.md has 29";
+  EXPECT_LE(numbers[3].median_error, 3.4) << "degrees of soil-tool friction";
   double held = 0;
   for (const std::size_t i : {0U, 1U, 3U}) {
     held += check.numbers()[i].held_share / 3;
