@@ -125,6 +125,9 @@ class ReplayTest : public testing::Test {
       writer.add(event);
     }
     writer.add(ticks_);
+    for (const ParticleFrame& frame : frames_) {
+      writer.add(frame);
+    }
     writer.finish();
     return RecordingReader(file);
   }
@@ -163,6 +166,7 @@ class ReplayTest : public testing::Test {
   bool simulated_ = false;  ///< whether no person is at the device
   std::vector<TickRecord> ticks_;
   std::vector<RecordingEvent> events_;
+  std::vector<ParticleFrame> frames_;
   DeviceOutput last_felt_;
 };
 
@@ -305,6 +309,90 @@ TEST_F(ReplayTest, AHashOrAForceThatWasAnotherIsFoundByName) {
   ticks_ = whole;
   ticks_[50].flags ^= kTickLate;  // depends on the clock
   EXPECT_FALSE(replayed().difference);
+}
+
+// Of a small bed and of a large one, whose snapshots are of 16 ticks each; with a pause, and the last one at the end.
+TEST_F(ReplayTest, FramesAreComparedAndADifferentParticleIsNamed) {
+  for (const int particles : {1500, 6000}) {
+    SceneFile scene_file = largeScene();
+    scene_file.bed.width_m = scene_file.bed.length_m = particles > 4096 ? 0.5 : 0.25;
+    scene_file.bed.particles = particles;
+    ticks_.clear();
+    frames_.clear();
+    record(scene_file, nothingHappens, [this](HapticLoop& loop) {
+      const auto keep = [&] {
+        if (loop.snapshots().update()) {
+          frames_.push_back(particleFrame(loop.snapshots().latest()));
+        }
+      };
+      for (int i = 0; i < 420; ++i) {
+        if (i == 203) {
+          loop.ask(request::Pause{});
+        } else if (i == 226) {
+          loop.ask(request::Resume{});
+        }
+        ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+        keep();
+      }
+      loop.publishEnd(LoopEnd::kStopped);
+      keep();
+    });
+    ASSERT_GE(frames_.size(), 25U);
+    const ReplayResult same = replayed();
+    EXPECT_FALSE(same.difference) << same.difference->what << " in tick " << same.difference->tick;
+    EXPECT_GE(same.frames, frames_.size() - 4) << "those near the pause may be left out";
+
+    const std::vector<ParticleFrame> whole = frames_;
+    ParticleFrame& frame = frames_[20];
+    float& x_m = frame.position_m[777][0];
+    x_m = std::nextafter(x_m, 1.0F);
+    const ReplayResult one = replayed();
+    ASSERT_TRUE(one.difference);
+    EXPECT_EQ(one.difference->what, "particles");
+    EXPECT_EQ(one.difference->tick + 1, frame.tick);
+    ASSERT_TRUE(one.difference->frame);
+    EXPECT_EQ(one.difference->frame->particle, 777U);
+    EXPECT_EQ(one.difference->frame->different, 1U);
+    EXPECT_GT(one.difference->frame->distance_m, 0);
+    EXPECT_LT(one.difference->frame->distance_m, 1e-7);
+    frames_ = whole;
+  }
+}
+
+TEST_F(ReplayTest, AfterAnotherTickTheNextFrameTellsWhichParticlesDiffer) {
+  const auto drive = [this](HapticLoop& loop) {
+    for (int i = 0; i < 700; ++i) {
+      ASSERT_EQ(loop.tick(), LoopEnd::kRunning);
+      if (loop.snapshots().update() && loop.snapshots().latest().ticks % 64 == 1) {
+        frames_.push_back(particleFrame(loop.snapshots().latest()));
+      }
+    }
+  };
+  record(personsScene(), nothingHappens, drive);
+  const std::vector<TickRecord> whole = ticks_;
+  double& z_m = ticks_[620].device.pose.position_m.z();
+  z_m += 1e-6;
+  const ReplayResult moved = replayed();
+  ASSERT_TRUE(moved.difference);
+  EXPECT_EQ(moved.difference->tick, 620U);
+  ASSERT_TRUE(moved.difference->frame);
+  EXPECT_EQ(moved.difference->frame->tick, 641U);
+  EXPECT_GT(moved.difference->frame->different, 0U);
+  EXPECT_LT(moved.difference->frame->distance_m, 1e-3);
+
+  ticks_ = whole;
+  ticks_[620].soil.force_n.x() += 1e-12;  // what was recorded, not what happened
+  const ReplayResult written = replayed();
+  ASSERT_TRUE(written.difference);
+  EXPECT_EQ(written.difference->what, "soil wrench");
+  ASSERT_TRUE(written.difference->frame);
+  EXPECT_EQ(written.difference->frame->different, 0U);
+
+  const RecordingReader reader = recording();
+  const ReplayResult before = Replay(reader, {}).run([](const TickRecord&, const TickRecord&) { return true; }, 0.62);
+  EXPECT_FALSE(before.difference);
+  EXPECT_FALSE(before.gap);
+  EXPECT_EQ(before.ticks, 620U);
 }
 
 TEST_F(ReplayTest, ATickThatIsMissingIsFound) {

@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +32,7 @@ constexpr const char* kReplayExamples = R"(Examples:
   haptolith run --record run.h5 --duration-s 60     make a recording
   haptolith replay run.h5                           replay it
   haptolith replay run.h5 --verify --threads 2      check that every tick is bit-identical
+  haptolith replay run.h5 --verify --until-s 12     check the first 12 s
 
 Exit status: 1 when --verify finds a difference or ticks are missing in the recording.)";
 
@@ -37,7 +40,21 @@ struct ReplayOptions {
   std::string file;
   bool verify = false, json = false;
   std::optional<int> threads;
+  std::optional<double> until_s;
 };
+
+/// Which particles of the next frame differ, and by how much.
+std::string particlesText(const ReplayDifference& difference) {
+  if (!difference.frame) {
+    return "  particles  unknown: no frame within 1 s after it\n";
+  }
+  const ComparedFrame& frame = *difference.frame;
+  if (frame.different == 0) {
+    return fmt::format("  particles  all equal in the next frame, at {:.3f} s\n", frame.time_s);
+  }
+  return fmt::format("  particles  {} in the frame at {:.3f} s, the first number {}, {:.3g} m away\n",
+                     pluralise(frame.different, "differs", "differ"), frame.time_s, frame.particle, frame.distance_m);
+}
 
 std::string gapText(const ReplayGap& gap) {
   return gap.ticks == 0 ? fmt::format("the ticks after {:.3f} s are not in order", gap.time_s)
@@ -49,16 +66,18 @@ std::string summary(const ReplayOptions& options, const RecordingReader& recordi
                     const ReplayResult& result) {
   const int threads = replay.sceneFile().bed.threads;
   std::string text =
-      fmt::format("{}\n  replayed   {} of {}, {} compared ({}, {})\n", replay.sceneFile().title, result.ticks,
+      fmt::format("{}\n  replayed   {} of {}, {} and {} compared ({}, {})\n", replay.sceneFile().title, result.ticks,
                   pluralise(recording.ticks(), "tick"), pluralise(result.hashes, "hash", "hashes"),
-                  instructionSetName(simdTarget()), pluralise(threads, "thread"));
+                  pluralise(result.frames, "frame"), instructionSetName(simdTarget()), pluralise(threads, "thread"));
   if (result.difference) {
     text += fmt::format("  differs    in tick {} at {:.3f} s: {}\n", result.difference->tick, result.difference->time_s,
                         result.difference->what);
+    text += particlesText(*result.difference);
   } else if (result.gap) {
     text += fmt::format("  missing    {}\n", gapText(*result.gap));
   } else if (options.verify) {
-    text += "  verified   hashes, tool pose, wrenches, energy, trips and flags of every tick, bit-identical\n";
+    text +=
+        "  verified   hashes, tool pose, wrenches, energy, trips and flags of every tick, and frames, bit-identical\n";
   }
   if (!result.end.empty()) {
     text += fmt::format("  end        as recorded, {}\n", result.end);
@@ -71,11 +90,17 @@ Json summaryJson(const RecordingReader& recording, const Replay& replay, const R
   if (result.difference) {
     difference = {
         {"tick", result.difference->tick}, {"time_s", result.difference->time_s}, {"what", result.difference->what}};
+    if (const std::optional<ComparedFrame>& frame = result.difference->frame) {
+      difference["frame_s"] = frame->time_s;
+      difference["different_particles"] = frame->different;
+      difference["first_particle"] = frame->different > 0 ? Json(frame->particle) : Json();
+    }
   }
   return {{"title", replay.sceneFile().title},
           {"recorded_ticks", recording.ticks()},
           {"replayed_ticks", result.ticks},
           {"hashes", result.hashes},
+          {"frames", result.frames},
           {"difference", difference},
           {"end", result.end},
           {"missing_ticks", result.gap ? result.gap->ticks : 0},
@@ -96,9 +121,11 @@ void replay(const ReplayOptions& options) {
   StatusLine status;
   Replay replay(recording, options.threads, settlingIn(status));
   Progress progress(status);
-  const double end_s = static_cast<double>(recording.ticks()) * recording.header().tick_s;
+  const double all_s = static_cast<double>(recording.ticks()) * recording.header().tick_s;
+  const double end_s = std::min(options.until_s.value_or(all_s), all_s);
   const ReplayResult result = replay.run(
-      [&](const TickRecord& was, const TickRecord&) { return progress.tell("replaying", was.time_s / end_s); });
+      [&](const TickRecord& was, const TickRecord&) { return progress.tell("replaying", was.time_s / end_s); },
+      options.until_s.value_or(std::numeric_limits<double>::infinity()));
   status.clear();
   options.json ? printJson(summaryJson(recording, replay, result))
                : printText(summary(options, recording, replay, result));
@@ -125,6 +152,9 @@ void addReplayCommand(CLI::App& app) {
   command->add_option("--threads", options->threads, "Number of threads [as recorded]")
       ->check(wholeNumberIn(BedRanges::threads))
       ->option_text("N");
+  command->add_option("--until-s", options->until_s, "Only the first T seconds [all]")
+      ->check(numberIn({1e-3, 1e9}))
+      ->option_text("T");
   addJson(*command, options->json);
   command->callback([options] { replay(*options); });
 }

@@ -14,6 +14,7 @@ namespace haptolith {
 namespace {
 
 constexpr std::uint64_t kRowsAtOnce = 1024;  ///< ticks that are read at a time
+constexpr double kLookedFurther_s = 1;       ///< after a difference, for a frame
 
 /// Compares bits, so that NaN equals NaN.
 bool same(double a, double b) noexcept {
@@ -114,78 +115,116 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   }
 }
 
-ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on) {
+/// Before a tick: gives the loop what it was given then.
+/// @return why that cannot be done; empty when it was.
+std::string Replay::prepare(const TickRecord& was) {
+  if ((was.flags & kTickSceneChanged) != 0) {
+    return fmt::format("at {:.3f} s a client changed the scene", was.time_s);
+  }
+  device_->feed(was.device);
+  if ((was.flags & kTickResumed) != 0) {
+    loop_->ask(request::Pause{});
+    (void)loop_->tick();
+    loop_->ask(request::Resume{});
+  }
+  if ((was.flags & kTickSoilAdjusted) != 0) {
+    if (adjustments_.empty()) {
+      return fmt::format("at {:.3f} s the soil changed; the change is not recorded", was.time_s);
+    }
+    const SoilAdjustment& adjustment = adjustments_.front();
+    validate(adjustment.of(scene_file_.bed.soil));
+    requireInRange("tool_friction", adjustment.tool_friction, ToolRanges::friction);
+    loop_->ask(request::Adjust{SoilLaws(adjustment.of(scene_file_.bed.soil), grainClasses(scene_file_.bed)),
+                               adjustment.tool_friction});
+    adjustments_.pop_front();
+  }
+  if ((was.flags & kTickParticleMoved) != 0) {
+    if (grain_moves_.empty()) {
+      return fmt::format("at {:.3f} s a particle was moved; its index is not recorded", was.time_s);
+    }
+    loop_->ask(request::MoveGrain{grain_moves_.front()});
+    grain_moves_.pop_front();
+  }
+  if ((was.flags & kTickSoftStop) != 0) {
+    loop_->softStop();
+  }
+  loop_->overrideHealth({late_, (was.flags & kTickHeartbeatLost) != 0});
+  late_ = (was.flags & kTickLate) != 0;
+  return {};
+}
+
+ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on,
+                         double until_s) {
   ReplayResult result;
+  FrameCheck frames(recording_);
   std::vector<TickRecord> replayed;
-  bool late = false;
   std::uint64_t last = 0;
   double last_s = 0;
+  const auto compare = [&](const std::optional<ComparedFrame>& frame) {
+    if (frame && result.difference) {
+      result.difference->frame = frame;
+    } else if (frame && frame->different > 0) {
+      result.difference = {frame->tick > 0 ? frame->tick - 1 : 0, frame->time_s, "particles", frame};
+    }
+    result.frames = frames.compared();
+  };
+  // After a difference nothing else counts but the particles of the next frame.
+  const auto done = [&](double time_s) {
+    return result.difference && (result.difference->frame || time_s > result.difference->time_s + kLookedFurther_s);
+  };
+  const auto endEarly = [&](std::string why) {
+    result.ended_early = result.difference ? "" : std::move(why);
+    return result;
+  };
+  frames.afterTick(0, *scene_);
   for (std::uint64_t first = 0; first < recording_.ticks(); first += kRowsAtOnce) {
     for (const TickRecord& was : recording_.readTicks(first, kRowsAtOnce)) {
-      if ((was.flags & kTickSceneChanged) != 0) {
-        result.ended_early = fmt::format("at {:.3f} s a client changed the scene", was.time_s);
+      const std::uint64_t number = tickNumber(was.time_s, recording_.header().tick_s);
+      if (was.time_s > until_s + recording_.header().tick_s / 2 && !result.difference) {
+        compare(frames.atEnd(*scene_));
         return result;
       }
-      const std::uint64_t number = tickNumber(was.time_s, recording_.header().tick_s);
       if (number != last + 1) {
         result.gap = {number > last ? number - last - 1 : 0, last_s};
         return result;
       }
+      compare(frames.beforeTick(number, (was.flags & kTickResumed) != 0, *scene_));
+      if (done(was.time_s)) {
+        return result;
+      }
+      if (const std::string why = prepare(was); !why.empty()) {
+        return endEarly(why);
+      }
+      const LoopEnd end = loop_->tick();
       last = number;
       last_s = was.time_s;
-      device_->feed(was.device);
-      if ((was.flags & kTickResumed) != 0) {
-        loop_->ask(request::Pause{});
-        (void)loop_->tick();
-        loop_->ask(request::Resume{});
-      }
-      if ((was.flags & kTickSoilAdjusted) != 0) {
-        if (adjustments_.empty()) {
-          result.ended_early = fmt::format("at {:.3f} s the soil changed; the change is not recorded", was.time_s);
-          return result;
-        }
-        const SoilAdjustment& adjustment = adjustments_.front();
-        validate(adjustment.of(scene_file_.bed.soil));
-        requireInRange("tool_friction", adjustment.tool_friction, ToolRanges::friction);
-        loop_->ask(request::Adjust{SoilLaws(adjustment.of(scene_file_.bed.soil), grainClasses(scene_file_.bed)),
-                                   adjustment.tool_friction});
-        adjustments_.pop_front();
-      }
-      if ((was.flags & kTickParticleMoved) != 0) {
-        if (grain_moves_.empty()) {
-          result.ended_early = fmt::format("at {:.3f} s a particle was moved; its index is not recorded", was.time_s);
-          return result;
-        }
-        loop_->ask(request::MoveGrain{grain_moves_.front()});
-        grain_moves_.pop_front();
-      }
-      if ((was.flags & kTickSoftStop) != 0) {
-        loop_->softStop();
-      }
-      loop_->overrideHealth({late, (was.flags & kTickHeartbeatLost) != 0});
-      const LoopEnd end = loop_->tick();
-      late = (was.flags & kTickLate) != 0;
       replayed.clear();
       loop_->takeRecords(replayed);
       if (replayed.size() != 1) {
-        result.ended_early = fmt::format("at {:.3f} s the replay ended: {}", was.time_s, text(end));
-        return result;
+        return endEarly(fmt::format("at {:.3f} s the replay ended: {}", was.time_s, text(end)));
+      }
+      frames.afterTick(number, *scene_);
+      if (result.difference) {
+        continue;
       }
       ++result.ticks;
       result.hashes += was.state_hash != 0 ? 1 : 0;
       if (const char* what = differenceOf(was, replayed.front())) {
         result.difference = {result.ticks - 1, was.time_s, what};
-        return result;
+        if (((was.flags | replayed.front().flags) & kTickFailed) != 0) {
+          return result;
+        }
+        continue;
       }
       if ((was.flags & kTickFailed) != 0) {
         result.end = fmt::format("at {:.3f} s: {}", was.time_s, text(end));
       }
       if (!go_on(was, replayed.front())) {
-        result.ended_early = "interrupted";
-        return result;
+        return endEarly("interrupted");
       }
     }
   }
+  compare(frames.atEnd(*scene_));
   if (const std::uint64_t missing = missingAtTheEnd(recording_, last); missing > 0) {
     result.gap = {missing, last_s};
   }

@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "haptolith/device/replay_device.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
+#include "haptolith/recording/frame_check.h"
 #include "haptolith/recording/recording_reader.h"
 #include "haptolith/scene_file/scene_file.h"
 
@@ -16,11 +18,13 @@ namespace haptolith {
 
 /// First difference of a replay from its recording.
 struct ReplayDifference {
-  std::uint64_t tick = 0;
+  std::uint64_t tick = 0;  ///< its row in /ticks, from 0
   double time_s = 0;
   /// "state_hash", "tool pose", "soil wrench", "rendered force", "device wrench", "injected energy", "trip", "end",
-  /// "flags"
+  /// "flags", "particles"
   std::string what;
+  /// Particles of the first frame at or after the tick; empty when no frame of the next second could be compared.
+  std::optional<ComparedFrame> frame = {};
 };
 
 /// Missing ticks in a recording: later ticks cannot be replayed.
@@ -32,6 +36,7 @@ struct ReplayGap {
 struct ReplayResult {
   std::uint64_t ticks = 0;   ///< replayed
   std::uint64_t hashes = 0;  ///< compared
+  std::uint64_t frames = 0;  ///< compared
   std::optional<ReplayDifference> difference;
   std::optional<ReplayGap> gap;
   std::string end;          ///< failure of both the recorded run and the replay in the last tick; empty without one
@@ -48,20 +53,26 @@ class Replay {
   Replay(const RecordingReader& recording, std::optional<int> threads, const SettleProgress& progress = {});
 
   /// Goes through all ticks up to the first that is missing, and compares them bit by bit, to the first difference:
-  /// hashes of the bed, the tool's pose, the wrenches, energy, trip and flags. The recorded readings of the device are
-  /// fed in; times of work and whether a tick was late are not compared.
-  /// @param go_on  called after each tick with its record and the replayed one; false ends it.
-  [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on);
+  /// hashes of the bed, the tool's pose, the wrenches, energy, trip, flags, and the particles of frames. The recorded
+  /// readings of the device are fed in; times of work and whether a tick was late are not compared. After a difference
+  /// it goes on to the next frame, to find the particles that differ.
+  /// @param go_on  called after each equal tick with its record and the replayed one; false ends it.
+  /// @param until_s  later ticks are left out.
+  [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on,
+                                 double until_s = std::numeric_limits<double>::infinity());
 
   [[nodiscard]] const SceneFile& sceneFile() const noexcept { return scene_file_; }
   [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
 
  private:
+  [[nodiscard]] std::string prepare(const TickRecord& was);
+
   const RecordingReader& recording_;
   SceneFile scene_file_;
   std::unique_ptr<Scene> scene_;
   std::unique_ptr<ReplayDevice> device_;
   std::unique_ptr<HapticLoop> loop_;
+  bool late_ = false;  ///< the last tick, as recorded
   // That are still to come:
   std::deque<SoilAdjustment> adjustments_;
   std::deque<GrainMove> grain_moves_;

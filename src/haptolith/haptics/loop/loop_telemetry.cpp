@@ -26,6 +26,10 @@ std::size_t LoopTelemetry::hashedParts(const Bed& bed) noexcept {
   return (bed.particles() + kHashedAtOnce - 1) / kHashedAtOnce;
 }
 
+bool LoopTelemetry::copiesInParts(const Bed& bed) noexcept {
+  return bed.particles() > kCopiedAtOnce;
+}
+
 void LoopTelemetry::record(const LoopClock& clock, const Scene& scene) noexcept {
   TickRecord& now = draft();
   statistics_.add(clock.tickUs(), clock.miss(), now.sent.wrench);
@@ -65,7 +69,7 @@ SceneSnapshot* LoopTelemetry::copyPart(ShownScene& shown) noexcept {
   // Part 0 in the tick after a snapshot went out, the last part in the tick of the next one.
   const std::size_t part = (published_++ + kTicksPerSnapshot - 1) % kTicksPerSnapshot;
   const bool complete = part + 1 == kTicksPerSnapshot;
-  const bool at_once = shown.scene.bed().particles() <= kCopiedAtOnce;
+  const bool at_once = !copiesInParts(shown.scene.bed());
   if (at_once && !complete) {
     return nullptr;
   }

@@ -28,6 +28,8 @@ class LoopTelemetry {
   void hashRecords() noexcept { hashes_ = true; }
   /// After how many ticks all of the bed has been hashed.
   [[nodiscard]] static std::size_t hashedParts(const Bed& bed) noexcept;
+  /// Whether the parts of a snapshot are of kTicksPerSnapshot ticks, one part each: part 0 of the first.
+  [[nodiscard]] static bool copiesInParts(const Bed& bed) noexcept;
 
   /// The record of the present tick, to be filled before record(). It holds an old one.
   [[nodiscard]] TickRecord& draft() noexcept { return last_[(statistics_.ticks() + 1) % last_.size()]; }
