@@ -132,13 +132,14 @@ TEST_F(ReplayCommand, AHashThatIsAnotherIsNamedAndFailsToVerify) {
 }
 
 /// `./dev hashes` renews the file when the bits change.
-TEST_F(ReplayCommand, ARecordingMadeWithAvx512IsVerifiedWithOtherInstructionSets) {
-  const std::string recording = (sourceDir() / "tests" / "data" / "recorded-avx512.h5").string();
+TEST_F(ReplayCommand, ARecordingOfAnotherMachineIsVerifiedWithOtherInstructionSets) {
+  const std::string recording = (sourceDir() / "tests" / "data" / "recorded.h5").string();
   const ProgramResult result =
       runInShell(fmt::format("HAPTOLITH_SIMD=SCALAR \"$HAPTOLITH\" replay --verify --json '{}'", recording));
   ASSERT_EQ(result.exit_status, 0) << result.errors;
   const json summary = json::parse(result.output);
-  EXPECT_EQ(summary["recorded_simd"], "AVX3");
+  EXPECT_NE(summary["recorded_simd"], "SCALAR");
+  EXPECT_EQ(summary["simd"], "SCALAR");
   EXPECT_EQ(summary["recorded_arithmetic"], "fused");
   EXPECT_EQ(summary["hashes"], 1000);
   EXPECT_TRUE(summary["difference"].is_null());
@@ -146,7 +147,7 @@ TEST_F(ReplayCommand, ARecordingMadeWithAvx512IsVerifiedWithOtherInstructionSets
 }
 
 TEST_F(ReplayCommand, AChangedByteIsToldWithItsTicks) {
-  std::string bytes = bytesOf((sourceDir() / "tests" / "data" / "recorded-avx512.h5").string());
+  std::string bytes = bytesOf((sourceDir() / "tests" / "data" / "recorded.h5").string());
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   std::ofstream(file("changed.h5"), std::ios::binary) << bytes;
   const ProgramResult result = runHaptolith(fmt::format("replay --verify '{}'", file("changed.h5")));

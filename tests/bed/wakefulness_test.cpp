@@ -41,13 +41,19 @@ class ThreeGroups : public testing::Test {
     ASSERT_TRUE(state_.contacts.add(j, static_cast<std::int32_t>(i)));
   }
 
-  /// Steps while the `moving` groups move, and puts groups to sleep. Returns those that were disturbed.
-  std::vector<std::uint32_t> step(int steps, const std::vector<std::size_t>& moving = {}) {
+  /// Steps while the `moving` groups move further than they may, and the `trembling` ones where they are, and puts
+  /// groups to sleep. Returns those that were disturbed.
+  std::vector<std::uint32_t> step(int steps, const std::vector<std::size_t>& moving = {},
+                                  const std::vector<std::size_t>& trembling = {}) {
     std::vector<std::uint32_t> disturbed;
     for (int k = 0; k < steps; ++k) {
       ++state_.step;
       std::fill_n(wakefulness_.moving(), kGroups, std::uint8_t{0});
       for (const std::size_t group : moving) {
+        wakefulness_.moving()[group] = 1;
+        state_.position[group * kGroup].x += 2 * kRule.distance_m;
+      }
+      for (const std::size_t group : trembling) {
         wakefulness_.moving()[group] = 1;
       }
       const Wakefulness::Transitions found =
@@ -97,6 +103,22 @@ TEST_F(ThreeGroups, OnlyWhatRestedIsDisturbed) {
   EXPECT_THAT(step(1, {1}), ElementsAre(1));
   EXPECT_EQ(state_.rested[1], 0);
   EXPECT_THAT(step(1, {1}), IsEmpty()) << "is disturbed already";
+}
+
+// A sound wave moves soil fast, and hardly from its place.
+TEST_F(ThreeGroups, ATremblingGroupAtRestDisturbsNobodyAndStaysAwake) {
+  step(kRule.steps + static_cast<int>(kTurn));
+  EXPECT_THAT(step(3 * static_cast<int>(kTurn), {}, {0}), IsEmpty());
+  EXPECT_THAT(wakefulness_.awake(), ElementsAre(0)) << "its neighbour sleeps";
+  EXPECT_EQ(state_.rested[0], kRule.steps);
+  step(2 * static_cast<int>(kTurn));
+  EXPECT_THAT(wakefulness_.awake(), IsEmpty());
+}
+
+TEST_F(ThreeGroups, AGroupThatTremblesBeforeItHasRestedIsNotAtRest) {
+  step(kRule.steps + 3 * static_cast<int>(kTurn), {}, {0});
+  EXPECT_EQ(state_.rested[0], 0);
+  EXPECT_THAT(wakefulness_.awake(), ElementsAre(0, 1));
 }
 
 TEST_F(ThreeGroups, ADisturbedOneWakesWhatItTouches) {
@@ -199,6 +221,7 @@ TEST_F(ThreeGroups, PartsTogetherFindTheSameInOrder) {
   wakefulness_.takeOver(state_);
   wakefulness_.listAwake();
   std::fill_n(wakefulness_.moving(), kGroups, std::uint8_t{1});
+  std::ranges::for_each(state_.position, [](Float4& position) { position.x += 2 * kRule.distance_m; });
   const std::vector<Wakefulness::Transitions> parts{wakefulness_.updateRest(0, 1, state_.position, state_),
                                                     wakefulness_.updateRest(1, 2, state_.position, state_),
                                                     wakefulness_.updateRest(2, 4, state_.position, state_)};

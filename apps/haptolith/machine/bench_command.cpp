@@ -43,7 +43,7 @@ struct BenchOptions {
   std::vector<FrictionModel> friction{FrictionModel::kIcra2021, FrictionModel::kContact};
   std::vector<int> threads{1, 2};
   HandMotion motion = HandMotion::kStir;
-  BedStart start = BedStart::kPacked;
+  std::optional<BedStart> start;  ///< empty: settled if it may sleep, else packed
   std::optional<double> sleep_speed_m_s;
   double sleep_distance_mm = 0;
   double duration_s = 1;
@@ -84,7 +84,7 @@ BedParameters sandbox(const BenchOptions& options, int particles, FrictionModel 
     return bed;
   }
   bed = withRoomFor(particles, bed);
-  bed.start = options.start;
+  bed.start = options.start.value_or(bed.sleep ? BedStart::kSettled : BedStart::kPacked);
   return bed;
 }
 
@@ -326,7 +326,8 @@ void addBenchCommand(CLI::App& app) {
   command->add_option("--soil", options->soil.soil, fmt::format("{} [P3]", kSoilHelp));
   command->add_option("--radius-mm", options->soil.radius_mm, "Radius of a particle in mm [the soil's]");
   const std::map<std::string, BedStart> starts{{"packed", BedStart::kPacked}, {"settled", BedStart::kSettled}};
-  command->add_option("--start", options->start, "Initial state of the soil [packed]")->transform(wordOf(starts));
+  command->add_option("--start", options->start, "Initial state of the soil [packed; settled if it may sleep]")
+      ->transform(wordOf(starts));
   const std::map<std::string, HandMotion> motions{{"stir", HandMotion::kStir}, {"still", HandMotion::kStill}};
   command->add_option("--motion", options->motion, "Motion of the hand [stir]")->transform(wordOf(motions));
   command->add_option("--sleep-speed-m-s", options->sleep_speed_m_s,
@@ -340,7 +341,7 @@ void addBenchCommand(CLI::App& app) {
   addJson(*command, options->json);
   command->footer(
       "Examples:\n  haptolith bench --particles 256,2000 --threads 1\n  haptolith bench --figure bench.svg\n  "
-      "haptolith bench --particles 1000000 --start settled --friction-model contact --threads 2 \\\n    "
+      "haptolith bench --particles 1000000 --friction-model contact --threads 2 \\\n    "
       "--sleep-speed-m-s 0.001");
   command->callback([options] { runBench(*options); });
 }

@@ -95,11 +95,16 @@ Wakefulness::Transitions Wakefulness::updateRest(std::size_t first, std::size_t 
     const std::uint32_t group = awake_[k];
     const bool its_turn = (group + state.step) % kTurn == 0;
     std::uint16_t& rested = state.rested[group];
-    if (moving_[group] != 0 || (its_turn && hasCrept(group, position, state))) {
-      if (rested >= rule_.steps) {
+    const bool moving = moving_[group] != 0;
+    const bool crept = (moving || its_turn) && hasCrept(group, position, state);
+    const bool at_rest = rested >= rule_.steps;
+    if (crept || (moving && (!at_rest || rule_.speed_m_s == 0))) {
+      if (at_rest) {
         changes.disturbed[changes.disturbed_count++] = group;
       }
       rested = 0;
+    } else if (moving) {  // it trembles where it is: nothing beside it feels a difference
+      rested = rule_.steps;
     } else if (rested < readyToSleep()) {
       ++rested;
     } else if (its_turn) {
