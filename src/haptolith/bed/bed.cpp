@@ -30,6 +30,9 @@ constexpr double kInnerSkinRadii = 0.1;
 /// faster than 0.05 mm/s moves. In wider boxes remainders are kept.
 constexpr double kExactWidth_m = 1;
 
+/// Awake groups whose records do not fit into a core's caches: 32 768 particles of about 600 bytes.
+constexpr std::size_t kGroupsBeyondCache = 2048;
+
 /// Smallest number of particles per thread for which waking one more, about 100 us, is worthwhile; contacts with
 /// friction take three times as long as those of icra2021, with several substeps per tick. Two threads become faster
 /// than one there in `haptolith bench` on two cores, to a power of two.
@@ -319,6 +322,7 @@ void Bed::stepPart(int part, int parts) noexcept {
   const auto [first, last] = groupsOf(part, parts, wakefulness_.awake().size());
   ContactLists& lists = state_.contacts;
   const StepArrays arrays{.groups = wakefulness_.awake().data(),
+                          .beyond_cache = wakefulness_.awake().size() >= kGroupsBeyondCache,
                           .position = state_.position.data(),
                           .velocity = state_.velocity.data(),
                           .external = external_.data(),

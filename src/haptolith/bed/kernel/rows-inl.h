@@ -83,6 +83,31 @@ HWY_INLINE void setRows(QuarterRows& rows, std::size_t in_group, std::size_t cou
   }
 }
 
+/// In a large bed, whose particles are beyond a core's caches: prefetches the records of the neighbours of the next
+/// group in groups[k..last-1], for one of its vectors, and a part of the list of the group after it.
+HWY_INLINE void prefetchNeighbours(const StepArrays& arrays, std::size_t k, std::size_t last, std::size_t in_group) {
+  constexpr std::size_t kApart = 4;  // neighbours of adjacent particles often share a cache line
+  if (k + 2 >= last) {
+    return;
+  }
+  const std::size_t next = arrays.groups[k + 1];
+  const std::uint32_t* other = arrays.other + arrays.first_row[next] * kGroup + in_group;
+  const std::size_t rows = rowsOf(arrays.touched[next], in_group);
+  for (std::size_t row = 0; row < rows; ++row, other += kGroup) {
+    for (std::size_t lane = 0; lane < hn::Lanes(D()); lane += kApart) {
+      const std::size_t record = other[lane] / sizeof(Float4);
+      hwy::Prefetch(arrays.position + record);
+      hwy::Prefetch(arrays.velocity + record);
+    }
+  }
+  const std::size_t after = arrays.groups[k + 2];
+  if (in_group == 0) {
+    for (std::size_t row = 0; row < arrays.touched[after].front(); ++row) {
+      hwy::Prefetch(arrays.other + (arrays.first_row[after] + row) * kGroup);
+    }
+  }
+}
+
 /// Calls `each(lanes)` for all vectors of particles of groups[first..last-1], or of groups first..last-1. Groups whose
 /// inner list is older than `pruning_pass` compute all rows and rebuild it.
 template <class Each>
@@ -99,6 +124,9 @@ HWY_INLINE void forEachVector(const StepArrays& arrays, std::uint64_t pruning_pa
     }
     for (; at.in_group < kGroup; at.in_group += hn::Lanes(D())) {
       at.rows = known ? rowsOf(inner->rows, at.in_group) : at.rows;
+      if (arrays.beyond_cache) {
+        prefetchNeighbours(arrays, k, last, at.in_group);
+      }
       each(at);
     }
   }

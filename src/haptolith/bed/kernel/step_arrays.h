@@ -14,6 +14,7 @@ enum WallBit : std::uint8_t { kFloor = 1, kWallX = 2, kWallY = 4 };
 struct StepArrays {
   // Read. Which groups are stepped:
   const std::uint32_t* groups;  ///< those to step, and one number more behind the last; null: all G
+  bool beyond_cache;            ///< whether they are so many that prefetching neighbours pays; only with `groups`
 
   // Read. Particles:
   const Float4 *position, *velocity;  ///< [N] m, m/s
