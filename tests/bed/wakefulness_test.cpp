@@ -105,7 +105,7 @@ TEST_F(ThreeGroups, OnlyWhatRestedIsDisturbed) {
   EXPECT_THAT(step(1, {1}), IsEmpty()) << "is disturbed already";
 }
 
-// A sound wave moves soil fast, and hardly from its place.
+// A sound wave moves soil fast, but not from its place.
 TEST_F(ThreeGroups, ATremblingGroupAtRestDisturbsNobodyAndStaysAwake) {
   step(kRule.steps + static_cast<int>(kTurn));
   EXPECT_THAT(step(3 * static_cast<int>(kTurn), {}, {0}), IsEmpty());

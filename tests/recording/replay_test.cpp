@@ -311,7 +311,7 @@ TEST_F(ReplayTest, AHashOrAForceThatWasAnotherIsFoundByName) {
   EXPECT_FALSE(replayed().difference);
 }
 
-// Of a small bed and of a large one, whose snapshots are of 16 ticks each; with a pause, and the last one at the end.
+// A small bed, and a large one whose snapshots take 16 ticks each; with a pause, and a last snapshot at the end.
 TEST_F(ReplayTest, FramesAreComparedAndADifferentParticleIsNamed) {
   for (const int particles : {1500, 6000}) {
     SceneFile scene_file = largeScene();
@@ -381,7 +381,7 @@ TEST_F(ReplayTest, AfterAnotherTickTheNextFrameTellsWhichParticlesDiffer) {
   EXPECT_LT(moved.difference->frame->distance_m, 1e-3);
 
   ticks_ = whole;
-  ticks_[620].soil.force_n.x() += 1e-12;  // what was recorded, not what happened
+  ticks_[620].soil.force_n.x() += 1e-12;  // the record is wrong, not the run
   const ReplayResult written = replayed();
   ASSERT_TRUE(written.difference);
   EXPECT_EQ(written.difference->what, "soil wrench");

@@ -103,7 +103,7 @@ Wakefulness::Transitions Wakefulness::updateRest(std::size_t first, std::size_t 
         changes.disturbed[changes.disturbed_count++] = group;
       }
       rested = 0;
-    } else if (moving) {  // it trembles where it is: nothing beside it feels a difference
+    } else if (moving) {  // it trembles where it is: its neighbours feel no difference
       rested = rule_.steps;
     } else if (rested < readyToSleep()) {
       ++rested;

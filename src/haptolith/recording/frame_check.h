@@ -40,8 +40,8 @@ class FrameCheck {
   const RecordingReader& recording_;
   std::vector<FrameRow> rows_;
   std::size_t next_ = 0;                  ///< row that is compared next
-  std::optional<ParticleFrame> frame_;    ///< its particles, once needed
-  ComparedFrame by_parts_;                ///< of it
+  std::optional<ParticleFrame> frame_;    ///< particles of the next frame, once needed
+  ComparedFrame by_parts_;                ///< result for the next frame
   std::uint64_t last_ = 0;                ///< tick
   std::optional<std::uint64_t> resumed_;  ///< last tick before which the run was paused
   std::uint64_t compared_ = 0;

@@ -55,7 +55,7 @@ class Replay {
   /// Goes through all ticks up to the first that is missing, and compares them bit by bit, to the first difference:
   /// hashes of the bed, the tool's pose, the wrenches, energy, trip, flags, and the particles of frames. The recorded
   /// readings of the device are fed in; times of work and whether a tick was late are not compared. After a difference
-  /// it goes on to the next frame, to find the particles that differ.
+  /// it continues to the next frame, to find the particles that differ.
   /// @param go_on  called after each equal tick with its record and the replayed one; false ends it.
   /// @param until_s  later ticks are left out.
   [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on,
