@@ -1,12 +1,23 @@
 #include "haptolith/recording/frame_check.h"
 
 #include <algorithm>
-#include <cstring>
+#include <array>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 #include "haptolith/haptics/loop/loop_telemetry.h"
 
 namespace haptolith {
+
+namespace {
+
+bool same(const std::array<float, 3>& was, const Float4& is) noexcept {
+  using Bits = std::array<std::uint32_t, 3>;
+  return std::bit_cast<Bits>(was) == std::bit_cast<Bits>(std::array{is.x, is.y, is.z});
+}
+
+}  // namespace
 
 FrameCheck::FrameCheck(const RecordingReader& recording)
     : recording_(recording), rows_(recording.readFrameRows(0, recording.frames())) {}
@@ -17,7 +28,7 @@ void FrameCheck::compare(const Scene& scene, std::size_t first_group, std::size_
   const std::vector<Float4>& is = scene.bed().state().position;
   for (std::size_t i = first_group * kGroup; i < std::min(last_group * kGroup, scene.bed().particles()); ++i) {
     const bool recorded = i < frame_->position_m.size();
-    if (recorded && std::memcmp(&frame_->position_m[i], &is[i], sizeof frame_->position_m[i]) == 0) {
+    if (recorded && same(frame_->position_m[i], is[i])) {
       continue;
     }
     if (result.different++ == 0) {

@@ -172,7 +172,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
   const auto done = [&](double time_s) {
     return result.difference && (result.difference->frame || time_s > result.difference->time_s + kLookedFurther_s);
   };
-  const auto endEarly = [&](std::string why) {
+  const auto end_early = [&](std::string why) {
     result.ended_early = result.difference ? "" : std::move(why);
     return result;
   };
@@ -193,7 +193,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
         return result;
       }
       if (const std::string why = prepare(was); !why.empty()) {
-        return endEarly(why);
+        return end_early(why);
       }
       const LoopEnd end = loop_->tick();
       last = number;
@@ -201,7 +201,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
       replayed.clear();
       loop_->takeRecords(replayed);
       if (replayed.size() != 1) {
-        return endEarly(fmt::format("at {:.3f} s the replay ended: {}", was.time_s, text(end)));
+        return end_early(fmt::format("at {:.3f} s the replay ended: {}", was.time_s, text(end)));
       }
       frames.afterTick(number, *scene_);
       if (result.difference) {
@@ -220,7 +220,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
         result.end = fmt::format("at {:.3f} s: {}", was.time_s, text(end));
       }
       if (!go_on(was, replayed.front())) {
-        return endEarly("interrupted");
+        return end_early("interrupted");
       }
     }
   }
