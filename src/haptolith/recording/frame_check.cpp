@@ -71,7 +71,7 @@ std::optional<ComparedFrame> FrameCheck::beforeTick(std::uint64_t number, bool r
   ComparedFrame whole{.tick = rows_[next_].tick, .time_s = rows_[next_].time_s};
   compare(scene, 0, scene.bed().state().rested.size(), whole);
   const bool in_parts = LoopTelemetry::copiesInParts(scene.bed());
-  const bool unknown = in_parts && resumed_ && *resumed_ + kTicksPerSnapshot > number;  // which part is of which tick
+  const bool unknown = in_parts && resumed_ && *resumed_ + kTicksPerSnapshot > number;  // which tick each part is from
   const bool by_parts = in_parts && whole.different > 0;
   ++next_;
   frame_.reset();

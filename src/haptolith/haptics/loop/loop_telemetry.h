@@ -28,7 +28,7 @@ class LoopTelemetry {
   void hashRecords() noexcept { hashes_ = true; }
   /// After how many ticks all of the bed has been hashed.
   [[nodiscard]] static std::size_t hashedParts(const Bed& bed) noexcept;
-  /// Whether the parts of a snapshot are of kTicksPerSnapshot ticks, one part each: part 0 of the first.
+  /// Whether a snapshot is copied in kTicksPerSnapshot parts, one in each tick, beginning with part 0.
   [[nodiscard]] static bool copiesInParts(const Bed& bed) noexcept;
 
   /// The record of the present tick, to be filled before record(). It holds an old one.
