@@ -67,10 +67,11 @@ TEST(Allocation, ATickWithContactFrictionAllocatesNothing) {
 
 TEST(Allocation, ATickWithGrainsOfSeveralSizesAllocatesNothing) {
   BedParameters bed;
+  bed.soil = findPreset("P4").soil;
   bed.soil.friction = FrictionModel::kContact;
   bed.soil.contact_cohesion_n = 0.003;
   bed.grading.fine_radius_m = bed.soil.radius_m / 4;
-  bed.grading.fine_width_m = bed.grading.fine_length_m = 0.03;
+  bed.grading.fine_width_m = bed.grading.fine_length_m = 0.014;
   bed.grading.fine_depth_m = 0.01;
   EXPECT_EQ(allocationsIn(1500, bed, HandMotion::kStir, HandCompliance::kRigid), 0);
 }
