@@ -201,7 +201,7 @@ HAPTO_API int32_t hapto_scene_get_tool_pose(const hapto_scene *scene, hapto_pose
 
 /* One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
  * twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
- * soil_wrench  wrench of the soil on the tool, mean over the tick, scene frame; may be NULL.
+ * soil_wrench  wrench of the soil on the tool, mean over the tick, about the tool's origin, scene frame; may be NULL.
  * Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m outside the box or
  * 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz] */
 HAPTO_API int32_t hapto_scene_step(hapto_scene *scene, const hapto_pose *scene_T_tool, const hapto_twist *twist,
@@ -211,7 +211,7 @@ HAPTO_API int32_t hapto_scene_step(hapto_scene *scene, const hapto_pose *scene_T
 HAPTO_API int32_t hapto_scene_steps(hapto_scene *scene, uint64_t count, const hapto_pose *poses,
                                     const hapto_twist *twists, hapto_wrench *soil_wrenches, uint64_t *done);
 
-/* Wrench of the soil on the tool in the last tick, scene frame. [1 kHz] */
+/* Wrench of the soil on the tool in the last tick, about the tool's origin, scene frame. [1 kHz] */
 HAPTO_API int32_t hapto_scene_get_wrench(const hapto_scene *scene, hapto_wrench *soil_wrench);
 /* Derivative of the force for a small movement of the tool with unchanged velocities of the soil: dF = -K dx, K row by row in N/m, scene frame. To
  * extrapolate between ticks in a loop that is faster. [1 kHz] */
