@@ -87,9 +87,10 @@ BENCHMARK(EnterAll)->Arg(256)->Arg(10000)->Arg(100000)->Unit(benchmark::kMicrose
 void ToolContact(benchmark::State& state) {
   Bed bed(bedOf(256));
   const Pose pose{Vec3(0, 0, 0.025), Quat::Identity()};
+  ToolMemory memory(bed);
   for (auto _ : state) {
     benchmark::DoNotOptimize(applyToolContact(ToolParameters{}, pose, Twist{}, bed.parameters().soil, 1e-3, bed.state(),
-                                              {bed.toolSides(), bed.toolSlip()}, bed.externalForces()));
+                                              memory.particles(), bed.externalForces()));
   }
 }
 BENCHMARK(ToolContact)->Unit(benchmark::kMicrosecond);

@@ -149,7 +149,7 @@ std::string outcomeOf(SceneFile scene_file, int ticks) {
     }
   }
   const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
-  const std::uint64_t state = scene.bed().hash();
+  const std::uint64_t state = scene.hash();
   fold(&state, sizeof state);
   return fmt::format("0x{:x} {:.1f}", hash, 1e6 * took_s / ticks);
 }

@@ -19,7 +19,6 @@ BedState someState() {
   }
   BedState state = bed.state();
   state.velocity[7] = {0.1F, -0.2F, 0.3F, 0};
-  state.tool_side[5] = -1;
   return state;
 }
 
@@ -35,7 +34,7 @@ TEST(BedState, ComesBackAsItWasSaved) {
   EXPECT_TRUE(same(back.position, saved.position));
   EXPECT_TRUE(same(back.velocity, saved.velocity));
   EXPECT_TRUE(same(back.reference_position, saved.reference_position));
-  EXPECT_EQ(back.tool_side, saved.tool_side);
+  EXPECT_EQ(back.particles(), saved.particles());
   EXPECT_EQ(stateHash(back), stateHash(saved));
 }
 
@@ -49,11 +48,21 @@ TEST(BedState, HashSeesEveryPartOfTheState) {
   other.velocity[255].z = 1e-30F;
   EXPECT_NE(stateHash(other), hash);
   other = state;
-  other.tool_side[0] = 1;
-  EXPECT_NE(stateHash(other), hash);
-  other = state;
   ++other.step;
   EXPECT_NE(stateHash(other), hash);
+}
+
+TEST(BedState, HashSeesWhatEachToolRemembers) {
+  const BedState state = someState();
+  std::vector<std::int8_t> side(state.particles());
+  std::vector<Float4> slip(state.particles());
+  const auto hashOf = [&] { return stateHash(state, std::vector<ToolTrace>{{}, {side, slip}}); };
+  const std::uint64_t hash = hashOf();
+  side[5] = -1;
+  EXPECT_NE(hashOf(), hash);
+  side[5] = 0;
+  slip[17].y = 1e-9F;
+  EXPECT_NE(hashOf(), hash);
 }
 
 TEST(BedState, BytesThatAreNoStateAreRefused) {
@@ -97,7 +106,7 @@ TEST(BedState, ABedGoesOnOnlyFromAStateThatIsOne) {
   const BedState good = bed.state();
 
   BedState state = good;
-  state.tool_side.resize(200);
+  state.particle_count = 200;
   state.position.resize(201);
   state.velocity.resize(201);
   state.reference_position.resize(201);

@@ -476,7 +476,6 @@ TEST(ContactFrictionBed, HashSeesEveryPartOfTheMemory) {
                                                     },
                                                     [](BedState& s) { s.wall_slip[0].floor_x[3] += 1e-9F; },
                                                     [](BedState& s) { s.wall_slip[15].y_wall_z[15] += 1e-9F; },
-                                                    [](BedState& s) { s.tool_slip[17].y += 1e-9F; },
                                                     [](BedState& s) { s.position[8].w += 1e-6F; }};
   for (const auto& change : changes) {
     BedState other = state;
@@ -501,8 +500,6 @@ TEST(ContactFrictionBed, GoesOnOnlyFromAStateThatIsOne) {
       },
       [](BedState& s) { s.wall_slip[9].x_wall_z[3] = kNaN; },
       [](BedState& s) { s.wall_slip.pop_back(); },
-      [](BedState& s) { s.tool_slip[9].x = std::numeric_limits<float>::infinity(); },
-      [](BedState& s) { s.tool_slip.clear(); },
       [](BedState& s) { s.position[4].w = kNaN; },
       [](BedState& s) { s.position[4].w = 1e-3F; },  // beyond what the lists reach
       [](BedState& s) { s.velocity[4].w = kNaN; },

@@ -30,7 +30,7 @@ class ThreeGroups : public testing::Test {
     state_.velocity.resize(padded, Float4{});
     state_.rested_at = state_.position;
     state_.rested.resize(kGroups);
-    state_.tool_side.resize(kParticles);
+    state_.particle_count = kParticles;
     state_.contacts = ContactLists(kParticles, true);
     touch(15, 16);
     touch(31, 32);

@@ -53,7 +53,7 @@ TEST_P(EitherFriction, AStepIsAStepOfTheSceneInside) {
     felt_n += std::abs(felt.force_n[2]);
   }
   EXPECT_GT(felt_n, 10) << "it never dug";
-  EXPECT_EQ(hashOf(scene.get()), stateHash(inside.bed().state()));
+  EXPECT_EQ(hashOf(scene.get()), inside.hash());
 }
 
 TEST(LibraryScene, StepsAreStepsOneByOne) {

@@ -46,8 +46,7 @@ Outcome minuteOf(HandMotion motion, HandCompliance compliance) {
     EXPECT_TRUE(std::abs(p.x) < half_width && std::abs(p.y) < half_width && p.z > 0 && p.z < 0.3)
         << "particle " << i << " is lost at " << p.x << " " << p.y << " " << p.z;
   }
-  return {stateHash(scene.bed().state()), loop.statistics().forceN().max(), scene.bed().largestSpeed(),
-          scene.bed().listRebuilds()};
+  return {scene.hash(), loop.statistics().forceN().max(), scene.bed().largestSpeed(), scene.bed().listRebuilds()};
 }
 
 class Icra2021Scene : public testing::TestWithParam<HandMotion> {};

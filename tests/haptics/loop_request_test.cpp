@@ -87,7 +87,7 @@ struct Stirred {
     }
     return fastest;
   }
-  [[nodiscard]] std::uint64_t hash() const { return stateHash(scene.bed().state()); }
+  [[nodiscard]] std::uint64_t hash() const { return scene.hash(); }
 
   Scene scene;
   Stirrer device;

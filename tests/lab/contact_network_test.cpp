@@ -3,12 +3,16 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/math/random.h"
 #include "haptolith/lab/apparatus/lab_bed.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/tool/tool_shape.h"
 
 #include "lab_soils.h"
@@ -212,6 +216,51 @@ TEST(ContactNetwork, TheStepOfTheLawIsStableWhereGrainsOfSeveralSizesAreMixedAnd
     const double share = shareOfStableStep(network, 1 / stepsPerSecond(finestSoil(lab.bed().parameters()), 0));
     EXPECT_LT(share, 1) << classes;
     EXPECT_GT(share, 0.6) << classes;
+  }
+}
+
+TEST(ContactNetwork, TheStepOfTheLawIsStableBetweenTwoTools) {
+  // Soil that floats, pressed between two plates until the whole layer is a third thinner.
+  for (const double stiffness_n_m : {500.0, 2000.0}) {
+    BedParameters bed;
+    bed.soil = testSoil(0.3, 0);
+    bed.gravity_m_s2 = Vec3::Zero();
+    const double radius_m = bed.soil.radius_m;
+    std::vector<Vec3> centres_m;
+    for (int i = 0; i < 5 * 5 * 3; ++i) {
+      centres_m.push_back(Vec3(0, 0, 0.1) + 2 * radius_m * Vec3(i % 5 - 2, i / 5 % 5 - 2, i / 25 - 1));
+    }
+    ToolParameters plate;
+    plate.size_m = {0.2, 0.2, 0.005};
+    plate.stiffness_n_m = stiffness_n_m;
+    Scene scene(bed, ToolSet({plate, plate}), centres_m);
+    const auto hands = [&](int tick) {
+      const double apart_m = 3 * radius_m + 0.0025 - radius_m * tick / 400;
+      const double m_s = radius_m / 0.4;
+      std::array<HandState, 2> both;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const double side = i == 0 ? -1 : 1;
+        both[i].pose.position_m = {0, 0, 0.1 + side * apart_m};
+        both[i].twist.linear_m_s = {0, 0, -side * m_s};
+      }
+      return both;
+    };
+    scene.placeTool(hands(0)[0], 0);
+    scene.placeTool(hands(0)[1], 1);
+    double largest = 0;
+    const double dt_s = bed.tick_s / scene.substeps();
+    for (int tick = 1; tick <= 400; ++tick) {
+      const auto now = hands(tick);
+      ASSERT_EQ(scene.tickAll(now), StepStatus::kOk);
+      if (tick % 40 == 0) {
+        ContactNetwork network = contactNetwork(scene.bed());
+        addTool(network, plate, now[0].pose, dt_s, scene.bed());
+        addTool(network, plate, now[1].pose, dt_s, scene.bed());
+        largest = std::max(largest, shareOfStableStep(network, dt_s));
+      }
+    }
+    EXPECT_LT(largest, 1) << stiffness_n_m;
+    EXPECT_GT(largest, 0.3) << stiffness_n_m;
   }
 }
 

@@ -86,13 +86,20 @@ TEST(SavedScene, AToolThatIsNowhereIsRefusedAndNothingHasMoved) {
   (void)scene.tick(at(1));
   const std::string before = serialise(scene.save());
   for (const auto& spoil : std::initializer_list<void (*)(SavedScene&)>{
-           [](SavedScene& saved) { saved.tool.pose.position_m.x() = NAN; },
-           [](SavedScene& saved) { saved.tool.pose.orientation = Quat(0, 0, 0, 0); },
-           [](SavedScene& saved) { saved.tool_fade = 2; }, [](SavedScene& saved) { saved.tool.opening = -1; },
-           [](SavedScene& saved) { saved.opening_m = INFINITY; },
+           [](SavedScene& saved) { saved.tools[0].hand.pose.position_m.x() = NAN; },
+           [](SavedScene& saved) { saved.tools[0].hand.pose.orientation = Quat(0, 0, 0, 0); },
+           [](SavedScene& saved) { saved.tools[0].fade = 2; },
+           [](SavedScene& saved) { saved.tools[0].hand.opening = -1; },
+           [](SavedScene& saved) { saved.tools[0].opening_m = INFINITY; },
            [](SavedScene& saved) { saved.bed.grid_height_m += 1; },
-           [](SavedScene& saved) { saved.bed.near_groups.push_back(1000); },
-           [](SavedScene& saved) { saved.soil_force.grip_n = NAN; }}) {
+           [](SavedScene& saved) { saved.tools[0].memory.near_groups.push_back(1000); },
+           [](SavedScene& saved) { saved.tools[0].memory.particles.emplace_back().particle = 256; },
+           [](SavedScene& saved) { saved.tools[0].memory.particles.emplace_back().side = 200; },
+           [](SavedScene& saved) { saved.tools[0].memory.particles.emplace_back().slip_m[1] = NAN; },
+           [](SavedScene& saved) { saved.tools[0].memory.spheres.emplace_back(); },
+           [](SavedScene& saved) { saved.tools.push_back(saved.tools[0]); },
+           [](SavedScene& saved) { saved.tools.clear(); },
+           [](SavedScene& saved) { saved.tools[0].soil_force.grip_n = NAN; }}) {
     SavedScene saved = scene.save();
     spoil(saved);
     EXPECT_THROW(scene.restore(saved), InvalidParameter);

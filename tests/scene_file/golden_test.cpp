@@ -208,7 +208,7 @@ std::uint64_t outcomeOf(const SceneFile& scene_file) {
     }
   }
   EXPECT_GT(strongest_n, 0.05) << "the tool never touched the soil";
-  const std::uint64_t state = scene.bed().hash();
+  const std::uint64_t state = scene.hash();
   return fold(hash, &state, sizeof state);
 }
 

@@ -61,7 +61,7 @@ struct Crowd {
   void add(const Vec3& x, const Vec3& v = Vec3::Zero()) {
     state.position.push_back(record(x));
     state.velocity.push_back(record(v));
-    state.tool_side.push_back(0);
+    ++state.particle_count;
     side.push_back(0);
     forces.push_back({1, 2, 3, 0});  // left over from the step before
   }
@@ -75,7 +75,7 @@ struct Crowd {
   ToolReaction react(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
     BedState whole = state;
     whole.position.resize(paddedCount(state.particles()), kGhost);
-    return applyToolContact(tool, pose, twist, soil, kTick_s, whole, {side, state.tool_slip}, forces);
+    return applyToolContact(tool, pose, twist, soil, kTick_s, whole, {side, {}}, forces);
   }
   Wrench apply(const ToolParameters& tool, const Pose& pose, const Twist& twist = {}) {
     return react(tool, pose, twist).wrench;
@@ -258,6 +258,7 @@ TEST(ToolContact, InABedItIsToTheBitWhatItIsAgainstAllParticles) {
     parameters.start = BedStart::kPacked;
     parameters.depth_m = 0.05;
     Bed bed(parameters);
+    ToolMemory memory(bed);
     std::vector<Float4> forces(bed.particles());
     std::size_t touched = 0;
     constexpr double kStep_s = 2e-4;
@@ -266,20 +267,20 @@ TEST(ToolContact, InABedItIsToTheBitWhatItIsAgainstAllParticles) {
       const Pose pose{Vec3(0.25 * std::cos(9 * t), 0.1 * std::sin(7 * t), 0.05 + 0.06 * std::cos(20 * t)),
                       Quat(Eigen::AngleAxisd(5 * t, Vec3(1, 2, 3).normalized()))};
       const Twist twist{Vec3(0.1, 0.2, -0.3), Vec3(1, 2, 3)};
-      std::vector<std::int8_t> side = bed.toolSides();
-      std::vector<Float4> slip = bed.toolSlip();
+      std::vector<std::int8_t> side(memory.particles().side.begin(), memory.particles().side.end());
+      std::vector<Float4> slip(memory.particles().slip.begin(), memory.particles().slip.end());
       const Wrench all =
           applyToolContact(kShovel, pose, twist, parameters.soil, kStep_s, bed.state(), {side, slip}, forces).wrench;
-      const Wrench near = applyToolContact(kShovel, pose, twist, kStep_s, bed).wrench;
+      const Wrench near = applyToolContact(kShovel, pose, twist, kStep_s, bed, memory).wrench;
       ASSERT_EQ(near.force_n, all.force_n) << step;
       ASSERT_EQ(near.torque_nm, all.torque_nm) << step;
-      ASSERT_EQ(bed.toolSides(), side) << step;
+      ASSERT_TRUE(std::ranges::equal(memory.particles().side, side)) << step;
+      ASSERT_EQ(bed.step(kStep_s), StepStatus::kOk);
       for (std::size_t i = 0; i < bed.particles(); ++i) {
         const Float4& f = bed.externalForces()[i];
         ASSERT_TRUE(f.x == forces[i].x && f.y == forces[i].y && f.z == forces[i].z) << step << " " << i;
         touched += f.x != 0 || f.y != 0 || f.z != 0 ? 1 : 0;
       }
-      ASSERT_EQ(bed.step(kStep_s), StepStatus::kOk);
     }
     EXPECT_GT(touched, 10'000U);
   }

@@ -156,7 +156,7 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
   row.threads = made_of.bed.threads;
   row.substeps = scene.substeps();
   row.tick_us = loop.statistics().tickUs();
-  row.bytes_per_particle = static_cast<double>(scene.bed().bytes()) / static_cast<double>(row.particles);
+  row.bytes_per_particle = static_cast<double>(scene.bytes()) / static_cast<double>(row.particles);
   row.list_rebuilds_per_tick =
       static_cast<double>(scene.bed().listRebuilds() - rebuilt_before) / static_cast<double>(ticks);
   return row;

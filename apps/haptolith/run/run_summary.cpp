@@ -104,7 +104,7 @@ nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& sce
           {"largest_speed_m_s", scene.bed().largestSpeed()},
           {"lost_records", summary.lost_records},
           {"device_input", summary.device_input.empty() ? Json(nullptr) : Json(summary.device_input)},
-          {"state_hash", fmt::format("{:016x}", scene.bed().hash())},
+          {"state_hash", fmt::format("{:016x}", scene.hash())},
           {"realtime",
            {{"scheduler", summary.real_time.scheduler},
             {"memory_locked", summary.real_time.memory_locked},
@@ -138,7 +138,7 @@ std::string summaryText(const SceneFile& scene_file, const Scene& scene, const H
       fmt::arg("fmax", s.forceN().max()), fmt::arg("mmean", s.torqueNm().mean()),
       fmt::arg("mp99", s.torqueNm().percentile(0.99)), fmt::arg("mmax", s.torqueNm().max()),
       fmt::arg("packets", summary.device_input.empty() ? "" : fmt::format("  packets    {}\n", summary.device_input)),
-      fmt::arg("hash", scene.bed().hash()));
+      fmt::arg("hash", scene.hash()));
 }
 
 }  // namespace haptolith

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "haptolith/bed/start/bed_start.h"
@@ -142,7 +142,7 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
   state_.position.resize(padded, kGhost);
   state_.velocity.resize(n);
   state_.velocity.resize(padded, kGhostVelocity);
-  state_.tool_side.resize(n);
+  state_.particle_count = n;
   if (std::max(parameters_.width_m, parameters_.length_m) > kExactWidth_m) {
     state_.remainder.resize(padded);
   }
@@ -156,13 +156,12 @@ Bed::Bed(const BedParameters& parameters, const std::vector<Float4>& grains, dou
   external_.resize(padded);
   contact_force_.resize(padded);
   moved_.resize(padded);
-  near_now_.resize(padded / kGroup / kBits + 1);
-  near_before_ = near_now_;
-  near_groups_.reserve(padded / kGroup);
+  keep_awake_.resize(nearGroups().bits().size());
+  pushed_.reserve(padded / kGroup);
+  is_pushed_.resize(padded / kGroup);
   if (hasContactFriction()) {
     state_.wall_slip.resize(padded / kGroup);
     near_walls_.resize(padded / kGroup);
-    state_.tool_slip.resize(n);
   }
   if (!neighbourhood_.buildAll(state_.reference_position, state_.contacts)) {
     throw InvalidParameter("centres_m", fmt::format("{} particles", n), "apart from each other");
@@ -207,6 +206,7 @@ StepStatus Bed::step(double dt_s) noexcept {
   HAPTO_ASSERT(dt_s > 0);
   HAPTO_ASSERT(external_.size() == state_.position.size());
   now_ = constantsFor(dt_s);
+  takeBackPushes();
   if (stones_.size() > 0 && !pressStones(dt_s)) {
     return StepStatus::kCollapsed;
   }
@@ -218,6 +218,7 @@ StepStatus Bed::step(double dt_s) noexcept {
   state_.position.swap(next_position_);
   state_.velocity.swap(next_velocity_);
   ++state_.step;
+  pushes_felt_ = true;
   if (stones_.size() > 0) {
     stones_.takeBackForces(external_);
     stones_.move(parameters_.gravity_m_s2, dt_s, wakefulness_.rule());
@@ -278,42 +279,44 @@ StepConstants Bed::constantsFor(double dt_s) const noexcept {
           .drag = friction_on_ && !laying_ ? 1 : 1 / (1 + kSettlingDrag_per_s * narrow<float>(dt_s))};
 }
 
-std::span<const std::uint32_t> Bed::groupsNear(const Vec3& centre_m, double radius_m) noexcept {
+void Bed::push(std::uint32_t group, const std::array<Float4, kGroup>& forces_n) noexcept {
+  HAPTO_ASSERT(group < is_pushed_.size());
+  takeBackPushes();
+  if (is_pushed_[group] == 0) {
+    is_pushed_[group] = 1;
+    pushed_.push_back(group);
+  }
+  Float4* const to = external_.data() + group * kGroup;
+  for (std::size_t i = 0; i < kGroup; ++i) {
+    to[i] = {to[i].x + forces_n[i].x, to[i].y + forces_n[i].y, to[i].z + forces_n[i].z, 0};
+  }
+}
+
+/// Those that a step has felt.
+void Bed::takeBackPushes() noexcept {
+  if (!std::exchange(pushes_felt_, false)) {
+    return;
+  }
+  for (const std::uint32_t group : pushed_) {
+    std::fill_n(external_.data() + group * kGroup, kGroup, Float4{});
+    is_pushed_[group] = 0;
+  }
+  pushed_.clear();
+}
+
+std::span<const std::uint32_t> Bed::groupsNear(NearGroups& near, const Vec3& centre_m, double radius_m) noexcept {
   HAPTO_ASSERT(radius_m >= 0);
   const double reach = radius_m + skin_m_ / 2;  // particles are not further from their places in the grid
   const auto corner = [&](double sign) {
     return Float4{narrow<float>(centre_m.x() + sign * reach), narrow<float>(centre_m.y() + sign * reach),
                   narrow<float>(centre_m.z() + sign * reach), 0};
   };
-  const Neighbourhood::Place place = neighbourhood_.placeOf(corner(-1), corner(1));
-  if (near_place_ != place) {
-    std::ranges::fill(near_now_, std::uint64_t{0});
-    neighbourhood_.forEachIn(place, [&](std::int32_t particle) {
-      const std::size_t group = static_cast<std::size_t>(particle) / kGroup;
-      near_now_[group / kBits] |= std::uint64_t{1} << (group % kBits);
-    });
-    listNearGroups();
-    near_now_.swap(near_before_);
-    near_place_ = place;
-    near_now_is_before_ = false;
-  } else if (!near_now_is_before_) {  // as most often, in several substeps of a tick
-    near_now_ = near_before_;
-    listNearGroups();
-    near_now_is_before_ = true;
-  }
-  for (const std::uint32_t group : near_groups_) {
+  near.find(neighbourhood_.placeOf(corner(-1), corner(1)), neighbourhood_);
+  for (const std::uint32_t group : near.listed()) {
     wakefulness_.wake(group, state_);
   }
-  return near_groups_;
-}
-
-void Bed::listNearGroups() noexcept {
-  near_groups_.clear();
-  for (std::size_t word = 0; word < near_now_.size(); ++word) {
-    for (std::uint64_t bits = near_now_[word] | near_before_[word]; bits != 0; bits &= bits - 1) {
-      near_groups_.push_back(narrow<std::uint32_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits))));
-    }
-  }
+  std::ranges::transform(keep_awake_, near.bits(), keep_awake_.begin(), std::bit_or{});
+  return near.listed();
 }
 
 void Bed::stepPart(int part, int parts) noexcept {
@@ -394,8 +397,9 @@ void Bed::wakeAndLetSleep() noexcept {
   const Wakefulness::Transitions found =
       wakefulness_.mergeTransitions({transitions_by_part_.data(), static_cast<std::size_t>(parts_)});
   wakefulness_.wakeBeside({found.disturbed, found.disturbed_count}, state_);
-  wakefulness_.putToSleep({found.ready_to_sleep, found.ready_to_sleep_count}, near_before_,
+  wakefulness_.putToSleep({found.ready_to_sleep, found.ready_to_sleep_count}, keep_awake_,
                           {.state = state_, .next_position = next_position_, .next_velocity = next_velocity_});
+  std::ranges::fill(keep_awake_, std::uint64_t{0});
   wakefulness_.listAwake();
 }
 
@@ -499,9 +503,9 @@ bool Bed::moveGrain(const GrainMove& move) noexcept {
   return true;
 }
 
-std::uint64_t Bed::hash(std::size_t part, std::size_t parts) const noexcept {
+std::uint64_t Bed::hash(std::span<const ToolTrace> tools, std::size_t part, std::size_t parts) const noexcept {
   HAPTO_ASSERT(part < parts);
-  return stonesHash(stones_.state(), stateHash(state_, part, parts));
+  return stonesHash(stones_.state(), stateHash(state_, tools, part, parts));
 }
 
 Vec3 Bed::contactForce(std::size_t particle) const noexcept {
@@ -539,8 +543,8 @@ double Bed::takeListRebuildUs() noexcept {
 std::size_t Bed::bytes() const noexcept {
   const std::size_t records = state_.position.size() + state_.velocity.size() + state_.reference_position.size() +
                               next_position_.size() + next_velocity_.size() + external_.size() + contact_force_.size() +
-                              state_.rested_at.size() + state_.tool_slip.size() + state_.remainder.size();
-  return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + state_.tool_side.size() +
+                              state_.rested_at.size() + state_.remainder.size();
+  return records * sizeof(Float4) + state_.wall_slip.size() * (sizeof(WallSlips) + 1) + is_pushed_.size() +
          moved_.size() * sizeof(moved_[0]) + state_.rested.size() * sizeof(state_.rested[0]) + wakefulness_.bytes() +
          changed_.size() * sizeof(changed_[0]) + state_.contacts.bytes() + neighbourhood_.bytes() + stones_.bytes();
 }

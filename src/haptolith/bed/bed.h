@@ -12,6 +12,7 @@
 #include "haptolith/bed/bed_state.h"
 #include "haptolith/bed/kernel/soil_laws.h"
 #include "haptolith/bed/kernel/step_kernel.h"
+#include "haptolith/bed/near_groups.h"
 #include "haptolith/bed/neighbourhood.h"
 #include "haptolith/bed/start/bed_tile.h"
 #include "haptolith/bed/stones.h"
@@ -71,15 +72,23 @@ class Bed {
   /// @throws InvalidParameter as restore().
   Bed(const BedParameters& parameters, const SavedBed& saved);
 
-  /// Forces that others (the tool) put on particles for the next step, in N, scene frame; one per particle.
-  /// They count as load, not as contact between macroparticles: they raise no friction (paper 14). Soil that sleeps
-  /// does not feel them: wake() it, or ask groupsNear(), which does.
+  /// Forces of others on particles, in N, scene frame; one per particle. Those written here last until they are
+  /// overwritten; those of push() are among them until the step after. They count as load, not as contact between
+  /// macroparticles: they raise no friction (paper 14). Soil that sleeps does not feel them: wake() it, or ask
+  /// groupsNear(), which does.
   [[nodiscard]] std::vector<Float4>& externalForces() noexcept { return external_; }
 
-  /// Groups of particles of which some may lie within `radius_m` of a point, and those it returned the time before, in
-  /// ascending order: who puts forces on what is near a tool takes back those on what it has left. Valid until the next
-  /// call. All of them are woken, and those near stay awake until the next call. May be called in the tick.
-  [[nodiscard]] std::span<const std::uint32_t> groupsNear(const Vec3& centre_m, double radius_m) noexcept;
+  /// Adds a tool's forces on a group's particles, in N, scene frame, for the next step alone. May be called in the
+  /// tick.
+  void push(std::uint32_t group, const std::array<Float4, kGroup>& forces_n) noexcept;
+
+  /// For groupsNear(): one for each tool. Not for the tick.
+  [[nodiscard]] NearGroups nearGroups() const { return NearGroups(state_.rested.size()); }
+  /// Groups of particles of which some may lie within `radius_m` of a point, and those near that tool the time before,
+  /// in ascending order: who remembers what is near a tool forgets what it has left. Valid until the tool's next call.
+  /// All of them are woken, and those near stay awake in the next step. May be called in the tick.
+  [[nodiscard]] std::span<const std::uint32_t> groupsNear(NearGroups& near, const Vec3& centre_m,
+                                                          double radius_m) noexcept;
 
   /// One semi-implicit step of `dt_s`: forces at the present positions, velocities, then positions. May be called in
   /// the tick. `dt_s` must be a stable step: see substepsFor() in critical_step.h.
@@ -181,9 +190,8 @@ class Bed {
   [[nodiscard]] const Stones& stones() const noexcept { return stones_; }
   [[nodiscard]] Stones& stones() noexcept { return stones_; }
   /// As stateHash(), with the stones. May be called in the tick.
-  [[nodiscard]] std::uint64_t hash(std::size_t part = 0, std::size_t parts = 1) const noexcept;
-  [[nodiscard]] std::vector<std::int8_t>& toolSides() noexcept { return state_.tool_side; }
-  [[nodiscard]] std::vector<Float4>& toolSlip() noexcept { return state_.tool_slip; }
+  [[nodiscard]] std::uint64_t hash(std::span<const ToolTrace> tools = {}, std::size_t part = 0,
+                                   std::size_t parts = 1) const noexcept;
   /// Number of particles whose neighbour lists were rebuilt because they had moved: see Neighbourhood.
   [[nodiscard]] std::uint64_t listRebuilds() const noexcept { return list_rebuilds_; }
   /// Time that took since the last call, in us. May be called in the tick.
@@ -196,11 +204,10 @@ class Bed {
   /// Continues from `state` bit for bit. Not for the tick. @throws InvalidParameter when it has another number of
   /// particles, holds NaN or infinity, or has collapsed; the bed is then as it was.
   void restore(const BedState& state);
-  /// As above, with the groups near the tool.
+  /// As above, with the stones.
   void restore(const SavedBed& saved);
 
  private:
-  static constexpr std::size_t kBits = 64;  ///< bits per word
   Bed(const BedParameters& parameters, const std::vector<Float4>& grains, double grid_height_m);
   void noteClasses();
   /// Initial particles of a bed, and the source of their contact memory.
@@ -228,7 +235,7 @@ class Bed {
   void findHold(double dt_s, double rest_m_s, const SettleProgress& progress);
   void stop() noexcept;
   [[nodiscard]] StepConstants constantsFor(double dt_s) const noexcept;
-  void listNearGroups() noexcept;
+  void takeBackPushes() noexcept;
   [[nodiscard]] bool hasRoomFor(std::size_t particle, const Vec3& place_m) const noexcept;
   void stepPart(int part, int parts) noexcept;
   [[nodiscard]] std::span<const Moved> movedOfParts() const noexcept {
@@ -257,10 +264,10 @@ class Bed {
   double grid_height_m_;
   Wakefulness wakefulness_;
   std::vector<Wakefulness::Transitions> transitions_by_part_;
-  std::vector<std::uint64_t> near_now_, near_before_;  ///< groupsNear(), a bit for each group; those before stay awake
-  std::vector<std::uint32_t> near_groups_;
-  std::optional<Neighbourhood::Place> near_place_;  ///< whose groups near_before_ are; none: what was restored
-  bool near_now_is_before_ = false;
+  std::vector<std::uint64_t> keep_awake_;  ///< a bit for each group that must not sleep in the next step
+  std::vector<std::uint32_t> pushed_;      ///< groups that push() put forces on,
+  std::vector<std::uint8_t> is_pushed_;    ///< and whether a group is one
+  bool pushes_felt_ = false;               ///< whether a step has felt them
   std::vector<std::int32_t>
       moved_;  ///< particles that left their list position in this step: each part's from its first particle on
   std::vector<std::uint64_t> changed_;  ///< value of changes_ at the last change of each group

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -14,10 +13,6 @@
 namespace haptolith {
 
 namespace {
-
-bool isZero(const Float4& a) {
-  return a.x == 0 && a.y == 0 && a.z == 0;
-}
 
 /// Whether two lists name the same neighbours, in whatever order.
 bool sameNeighbours(const ContactLists& a, const ContactLists& b, std::size_t i) {
@@ -69,8 +64,8 @@ void requireFinite(const BedState& state) {
   const auto is_number = [](const Float4& r) {
     return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
   };
-  for (const auto* records_of : {&state.position, &state.velocity, &state.reference_position, &state.rested_at,
-                                 &state.tool_slip, &state.remainder}) {
+  for (const auto* records_of :
+       {&state.position, &state.velocity, &state.reference_position, &state.rested_at, &state.remainder}) {
     if (!std::all_of(records_of->begin(), records_of->end(), is_number)) {
       throw InvalidParameter("state", "positions, velocities or slips that are not finite", "finite");
     }
@@ -122,8 +117,7 @@ void requireSameHeld(const BedState& state, const BedState& own) {
 void requireSlips(const BedState& state, bool has_contact_friction) {
   const std::size_t n = state.particles();
   if (state.contacts.remembers() != has_contact_friction ||
-      state.wall_slip.size() != (has_contact_friction ? paddedCount(n) / kGroup : 0) ||
-      state.tool_slip.size() != (has_contact_friction ? n : 0)) {
+      state.wall_slip.size() != (has_contact_friction ? paddedCount(n) / kGroup : 0)) {
     throw InvalidParameter("state", has_contact_friction ? "without a memory of friction" : "with a memory of friction",
                            "the state of a bed with the friction model of this bed");
   }
@@ -163,14 +157,7 @@ Bed::Bed(const BedParameters& parameters, const SavedBed& saved)
 }
 
 SavedBed Bed::save() const {
-  SavedBed saved{.state = state_, .grid_height_m = grid_height_m_, .near_groups = {}, .stones = stones_.save()};
-  for (std::size_t word = 0; word < near_before_.size(); ++word) {
-    for (std::uint64_t bits = near_before_[word]; bits != 0; bits &= bits - 1) {
-      saved.near_groups.push_back(
-          static_cast<std::uint32_t>(word * kBits + static_cast<std::size_t>(std::countr_zero(bits))));
-    }
-  }
-  return saved;
+  return {.state = state_, .grid_height_m = grid_height_m_, .stones = stones_.save()};
 }
 
 void Bed::restore(const SavedBed& saved) {
@@ -178,18 +165,9 @@ void Bed::restore(const SavedBed& saved) {
     throw InvalidParameter("grid_height_m", fmt::format("{}", saved.grid_height_m),
                            fmt::format("this bed's {}", grid_height_m_));
   }
-  for (const std::uint32_t group : saved.near_groups) {
-    if (group >= state_.rested.size()) {
-      throw InvalidParameter("state", fmt::format("group {} near the tool", group),
-                             fmt::format("below {}, the bed's groups", state_.rested.size()));
-    }
-  }
   stones_.requireSound(saved.stones, particles());
   restore(saved.state);
   stones_.restore(saved.stones);
-  for (const std::uint32_t group : saved.near_groups) {
-    near_before_[group / kBits] |= std::uint64_t{1} << (group % kBits);
-  }
 }
 
 void Bed::restore(const BedState& state) {
@@ -219,20 +197,17 @@ void Bed::restore(const BedState& state) {
   state_.reference_position = state.reference_position;
   state_.rested = state.rested;
   state_.rested_at = state.rested_at;
-  state_.tool_side = state.tool_side;
   state_.wall_slip = state.wall_slip;
   std::ranges::fill(near_walls_, std::uint8_t{0xFF});
-  state_.tool_slip = state.tool_slip;
   state_.contacts.takeOver(state.contacts);
   std::ranges::fill(changed_, ++changes_);
   driven_ = 0;
   std::ranges::fill(external_, Float4{});
-  near_place_.reset();
-  std::ranges::fill(near_before_, std::uint64_t{0});
+  pushed_.clear();
+  std::ranges::fill(is_pushed_, std::uint8_t{0});
+  std::ranges::fill(keep_awake_, std::uint64_t{0});
   for (std::size_t i = 0; i < n; ++i) {
     driven_ += state_.velocity[i].w == BedState::kDriven ? 1 : 0;
-    const bool touched = state.tool_side[i] != 0 || (hasContactFriction() && !isZero(state.tool_slip[i]));
-    near_before_[i / kGroup / kBits] |= std::uint64_t{touched} << (i / kGroup % kBits);  // the tool was there
   }
   std::fill(state_.position.begin() + static_cast<std::ptrdiff_t>(n), state_.position.end(), kGhost);
   std::fill(state_.reference_position.begin() + static_cast<std::ptrdiff_t>(n), state_.reference_position.end(),

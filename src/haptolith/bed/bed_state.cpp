@@ -14,8 +14,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "saved states are little-endian");
 
-constexpr char kBedMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '4'};
-constexpr char kMagicOfWide[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '5'};  // with remainders
+constexpr char kBedMagic[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '6'};
+constexpr char kMagicOfWide[8] = {'H', 'A', 'P', 'B', 'E', 'D', '0', '7'};  // with remainders
 
 constexpr std::string_view kStonesFollow = "HAPSTNS:";  // no bed begins with it
 
@@ -36,9 +36,9 @@ std::uint64_t bytesAfter(const Header& header) {
   const bool remembers = header.remembered > 0;
   const std::uint64_t groups = paddedCount(header.particles) / kGroup;
   const std::uint64_t records = isWide(header) ? 5 : 4;
-  return header.particles * (records * sizeof(Float4) + sizeof(std::int8_t) + sizeof(std::uint16_t)) +
-         groups * sizeof(std::uint16_t) + header.contacts * (sizeof(std::int32_t) + (remembers ? sizeof(Slip) : 0)) +
-         (remembers ? groups * sizeof(WallSlips) : 0) + header.remembered * sizeof(Float4);
+  return header.particles * (records * sizeof(Float4) + sizeof(std::uint16_t)) + groups * sizeof(std::uint16_t) +
+         header.contacts * (sizeof(std::int32_t) + (remembers ? sizeof(Slip) : 0)) +
+         (remembers ? groups * sizeof(WallSlips) : 0);
 }
 
 template <class Record>
@@ -104,7 +104,8 @@ ContactLists takeContacts(std::string_view& bytes, const Header& header) {
 
 }  // namespace
 
-std::uint64_t stateHash(const BedState& state, std::size_t part, std::size_t parts) noexcept {
+std::uint64_t stateHash(const BedState& state, std::span<const ToolTrace> tools, std::size_t part,
+                        std::size_t parts) noexcept {
   const std::size_t groups = (state.particles() + kGroup - 1) / kGroup;
   const std::size_t first = groups * part / parts;
   const std::size_t last = groups * (part + 1) / parts;
@@ -116,7 +117,9 @@ std::uint64_t stateHash(const BedState& state, std::size_t part, std::size_t par
   };
   add(state.position, kGroup, state.particles());
   add(state.velocity, kGroup, state.particles());
-  add(state.tool_side, kGroup, state.particles());
+  for (const ToolTrace& tool : tools) {
+    add(tool.side, kGroup, tool.side.size());
+  }
   add(state.remainder, kGroup, state.remainder.empty() ? 0 : state.particles());
   const ContactLists& contacts = state.contacts;
   for (std::size_t group = first; contacts.remembers() && group < std::min(last, contacts.groups()); ++group) {
@@ -125,7 +128,9 @@ std::uint64_t stateHash(const BedState& state, std::size_t part, std::size_t par
                                 contacts.rowCounts()[group] * row * sizeof(float), hash);
   }
   add(state.wall_slip, 1, state.wall_slip.size());
-  add(state.tool_slip, kGroup, state.tool_slip.size());
+  for (const ToolTrace& tool : tools) {
+    add(tool.slip, kGroup, tool.slip.size());
+  }
   return hash;
 }
 
@@ -141,12 +146,10 @@ std::string serialise(const BedState& state) {
   append(bytes, state.position.data(), n);
   append(bytes, state.velocity.data(), n);
   append(bytes, state.reference_position.data(), n);
-  append(bytes, state.tool_side.data(), n);
   append(bytes, state.rested.data(), state.rested.size());
   append(bytes, state.rested_at.data(), n);
   append(bytes, state.contacts);
   append(bytes, state.wall_slip.data(), state.wall_slip.size());
-  append(bytes, state.tool_slip.data(), state.tool_slip.size());
   append(bytes, state.remainder.data(), wide ? n : 0);
   return bytes;
 }
@@ -170,15 +173,14 @@ BedState deserialiseBedState(std::string_view bytes) {
   }
   BedState state;
   state.step = header.step;
+  state.particle_count = n;
   take(bytes, state.position, n);
   take(bytes, state.velocity, n);
   take(bytes, state.reference_position, n);
-  take(bytes, state.tool_side, n);
   take(bytes, state.rested, paddedCount(n) / kGroup);
   take(bytes, state.rested_at, n);
   state.contacts = takeContacts(bytes, header);
   take(bytes, state.wall_slip, header.remembered > 0 ? paddedCount(n) / kGroup : 0);
-  take(bytes, state.tool_slip, header.remembered);
   if (isWide(header)) {
     take(bytes, state.remainder, n);
     state.remainder.resize(paddedCount(n));
@@ -191,11 +193,8 @@ BedState deserialiseBedState(std::string_view bytes) {
 }
 
 std::string serialise(const SavedBed& saved) {
-  const std::uint64_t near = saved.near_groups.size();
   std::string bytes;
   append(bytes, &saved.grid_height_m, 1);
-  append(bytes, &near, 1);
-  append(bytes, saved.near_groups.data(), near);
   if (!saved.stones.stones.empty()) {  // a bed without is saved as it was before there were stones
     const std::string stones = serialise(saved.stones);
     const std::uint64_t length = stones.size();
@@ -208,17 +207,10 @@ std::string serialise(const SavedBed& saved) {
 
 SavedBed deserialiseSavedBed(std::string_view bytes) {
   SavedBed saved;
-  std::uint64_t near = 0;
-  constexpr std::size_t kHeader = sizeof saved.grid_height_m + sizeof near;
-  if (bytes.size() >= kHeader) {
+  if (bytes.size() >= sizeof saved.grid_height_m) {
     std::memcpy(&saved.grid_height_m, bytes.data(), sizeof saved.grid_height_m);
-    std::memcpy(&near, bytes.data() + sizeof saved.grid_height_m, sizeof near);
-    bytes.remove_prefix(kHeader);
+    bytes.remove_prefix(sizeof saved.grid_height_m);
   }
-  if (near > bytes.size() / sizeof(std::uint32_t)) {
-    throw Failure("this saved bed is damaged: it is shorter than its header states");
-  }
-  take(bytes, saved.near_groups, near);
   if (bytes.starts_with(kStonesFollow)) {
     bytes.remove_prefix(kStonesFollow.size());
     std::vector<std::uint64_t> length(1, bytes.size() + 1);

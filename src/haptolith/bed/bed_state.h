@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,13 +35,13 @@ inline constexpr Float4 kGhostVelocity{0, 0, 0, 1};
 /// the first of them, index n, fills up the lists.
 struct BedState {
   std::uint64_t step = 0;                  ///< substeps since the start
+  std::size_t particle_count = 0;          ///< records behind these are ghosts
   std::vector<Float4> position;            ///< m; w is by how much the particle's radius exceeds the mean
   std::vector<Float4> velocity;            ///< m/s; w: 0, or kDriven or kHeld
   std::vector<Float4> remainder;           ///< m; movement below the resolution of `position`; empty except
                                            ///< in wide boxes, where slow particles would otherwise stop
   std::vector<Float4> reference_position;  ///< reference position of each particle's neighbour list: see Neighbourhood
   ContactLists contacts;                   ///< pairs that may touch; with contact friction their slip, in m
-  std::vector<std::int8_t> tool_side;      ///< on which large face of the tool a particle lies: -1, 0 (neither), +1
 
   static constexpr float kDriven = 1;  ///< keeps its velocity, whatever pushes it
   static constexpr float kHeld = 2;    ///< keeps its place: fixed soil outside the sides of a settled box
@@ -52,24 +53,29 @@ struct BedState {
   [[nodiscard]] bool asleep(std::size_t group) const noexcept { return rested[group] >= kAsleepForEver; }
   std::vector<Float4> rested_at;  ///< m; where its particles have been since
 
-  // Friction memory in addition to that of contacts, in m; empty with ICRA 2021 friction, which has none.
-  std::vector<WallSlips> wall_slip;  ///< one per group
-  std::vector<Float4> tool_slip;     ///< one for each particle, in the tool's frame
+  std::vector<WallSlips> wall_slip;  ///< one per group; empty with ICRA 2021 friction, which remembers nothing
 
-  [[nodiscard]] std::size_t particles() const noexcept { return tool_side.size(); }
+  [[nodiscard]] std::size_t particles() const noexcept { return particle_count; }
 };
 
 /// A bed between two ticks: its state, and everything else that determines its next ticks.
 struct SavedBed {
   BedState state;
-  double grid_height_m = 0;                ///< height of the soil when the bed was made: the size of its grid
-  std::vector<std::uint32_t> near_groups;  ///< that groupsNear() returned last, without those it returned before
+  double grid_height_m = 0;  ///< height of the soil when the bed was made: the size of its grid
   StonesState stones;
 };
 
-/// 64-bit hash (XXH3) over positions, velocities and the memory of contacts. Equal states have equal hashes on one
-/// machine type. May be called in the tick; of a large bed a part at a time, which takes part + 1 of `parts` groups.
-[[nodiscard]] std::uint64_t stateHash(const BedState& state, std::size_t part = 0, std::size_t parts = 1) noexcept;
+/// What one tool remembers of each particle, to be hashed with a bed: see ToolMemory.
+struct ToolTrace {
+  std::span<const std::int8_t> side;
+  std::span<const Float4> slip;  ///< empty with ICRA 2021 friction
+};
+
+/// 64-bit hash (XXH3) over positions, velocities and the memory of contacts, those with tools included. Equal states
+/// have equal hashes on one machine type. May be called in the tick; of a large bed a part at a time, which takes
+/// part + 1 of `parts` groups.
+[[nodiscard]] std::uint64_t stateHash(const BedState& state, std::span<const ToolTrace> tools = {},
+                                      std::size_t part = 0, std::size_t parts = 1) noexcept;
 
 /// The state as bytes, and back. @throws Failure when the bytes are no state, are cut short or of another version.
 [[nodiscard]] std::string serialise(const BedState& state);

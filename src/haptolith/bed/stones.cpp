@@ -92,7 +92,6 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
     memory.stones.reserve(most_stones * shape.spheres.size());
     memory.stones_before.reserve(most_stones * shape.spheres.size());
     memory.walls.resize(shape.spheres.size());
-    memory.tool.resize(shape.spheres.size());
     memory.looked_at_m = -margin() * static_cast<double>(i) / static_cast<double>(shapes_.size());
     most_touched += most_near;
   }
@@ -152,12 +151,6 @@ void Stones::place(std::size_t stone, const Pose& scene_T_stone, const Twist& tw
 void Stones::push(std::size_t stone, const Vec3& force_n, const Vec3& point_m) noexcept {
   bodies_[stone].pushed.add(force_n, point_m - state_.stones[stone].scene_T_stone.position_m);
   wake(stone);
-}
-
-void Stones::forgetTool() noexcept {
-  for (Memory& memory : memory_) {
-    std::ranges::fill(memory.tool, StoneToolMemory{});
-  }
 }
 
 void Stones::wake(std::size_t stone) noexcept {
@@ -583,8 +576,7 @@ std::size_t Stones::bytes() const noexcept {
              (memory.near.capacity() + memory.groups.capacity()) * sizeof(std::uint32_t) +
              memory.pushes.capacity() * sizeof(Push) +
              (memory.stones.capacity() + memory.stones_before.capacity()) * sizeof(NearStone) +
-             memory.pairs.capacity() * sizeof(Pair) + memory.walls.size() * sizeof(memory.walls[0]) +
-             memory.tool.size() * sizeof(StoneToolMemory);
+             memory.pairs.capacity() * sizeof(Pair) + memory.walls.size() * sizeof(memory.walls[0]);
   }
   return bytes + put_.capacity() * sizeof(Put);
 }

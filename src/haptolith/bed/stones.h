@@ -20,12 +20,6 @@
 
 namespace haptolith {
 
-/// Memory of a tool for one sphere of a stone: as in BedState for a particle.
-struct StoneToolMemory {
-  std::int8_t side = 0;
-  Float4 slip_m;
-};
-
 /// The soil around stones, as a step finds it.
 struct SoilAroundStones {
   BedState& state;
@@ -79,10 +73,6 @@ class Stones {
   /// A force of others (a tool) on a stone for the next step, in N, scene frame, at a point of the scene; wakes it. May
   /// be called in the tick.
   void push(std::size_t stone, const Vec3& force_n, const Vec3& point_m) noexcept;
-
-  /// Memory of a tool for each sphere of a stone; stored here for the tool, as BedState does for particles.
-  [[nodiscard]] std::span<StoneToolMemory> toolMemory(std::size_t stone) noexcept { return memory_[stone].tool; }
-  void forgetTool() noexcept;
 
   /// While stones grow into soil: for it their spheres are smaller by so much, and they stand fast until that is 0.
   void growIn(double short_m) noexcept;
@@ -175,7 +165,6 @@ class Stones {
     std::vector<Pair> pairs;
     std::vector<NearStone> stones, stones_before;
     std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< slip of each sphere on the floor, an x and a y wall
-    std::vector<StoneToolMemory> tool;
     std::vector<Push> pushes;
     bool has_room = true;        ///< for all that is near
     double looked_at_m = 0;      ///< total movement at the last rebuild

@@ -20,8 +20,7 @@ StonesState Stones::save() const {
                              .other = other,
                              .x = s[0],
                              .y = s[1],
-                             .z = s[2],
-                             .w = 0});
+                             .z = s[2]});
     }
   };
   for (std::size_t i = 0; i < size(); ++i) {
@@ -42,18 +41,6 @@ StonesState Stones::save() const {
       for (std::uint32_t w = 0; w < memory.walls[s].size(); ++w) {
         keep(i, StoneSlip::With::kWall, s, w, memory.walls[s][w]);
       }
-      const StoneToolMemory& tool = memory.tool[s];
-      const Float4& slip = tool.slip_m;
-      if (tool.side != 0 || slip.x != 0 || slip.y != 0 || slip.z != 0 || slip.w != 0) {
-        saved.slips.push_back({.stone = static_cast<std::uint32_t>(i),
-                               .with = StoneSlip::With::kTool,
-                               .sphere = static_cast<std::uint32_t>(s),
-                               .other = static_cast<std::uint32_t>(std::int32_t{tool.side}),
-                               .x = slip.x,
-                               .y = slip.y,
-                               .z = slip.z,
-                               .w = slip.w});
-      }
     }
   }
   return saved;
@@ -70,7 +57,7 @@ void Stones::requireSound(const StonesState& saved, std::size_t particles) const
   }
   for (const StoneSlip& slip : saved.slips) {
     sound = sound && slip.stone < size() && slip.sphere < memory_[slip.stone].walls.size() &&
-            is_number(Eigen::Vector4f(slip.x, slip.y, slip.z, slip.w)) && slip.with <= StoneSlip::With::kTool &&
+            is_number(Eigen::Vector3f(slip.x, slip.y, slip.z)) && slip.with <= StoneSlip::With::kWall &&
             (slip.with != StoneSlip::With::kParticle || slip.other < particles) &&
             (slip.with != StoneSlip::With::kWall || slip.other < 3) &&
             (slip.with != StoneSlip::With::kStone || (slip.other > slip.stone && slip.other < size()));
@@ -90,7 +77,6 @@ void Stones::restore(const StonesState& saved) {
     memory.pairs.clear();
     memory.stones.clear();
     std::ranges::fill(memory.walls, std::array<Stretch, 3>{});
-    std::ranges::fill(memory.tool, StoneToolMemory{});
     memory.look = true;
     memory.touched_walls = true;
     noteTurn(i);
@@ -117,10 +103,6 @@ void Stones::restore(const StonesState& saved) {
         break;
       }
       case StoneSlip::With::kWall: memory.walls[slip.sphere][slip.other] = stretch; break;
-      case StoneSlip::With::kTool:
-        memory.tool[slip.sphere] = {static_cast<std::int8_t>(static_cast<std::int32_t>(slip.other)),
-                                    {slip.x, slip.y, slip.z, slip.w}};
-        break;
     }
   }
 }

@@ -11,7 +11,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::array<char, 8> kStonesMagic{'H', 'A', 'P', 'S', 'T', 'N', '0', '1'};
+constexpr std::array<char, 8> kStonesMagic{'H', 'A', 'P', 'S', 'T', 'N', '0', '2'};
 
 /// A stone as numbers only, so that its bytes are its value.
 struct Record {

@@ -21,14 +21,14 @@ struct StoneState {
   [[nodiscard]] bool asleep() const noexcept { return rested == kAsleep; }
 };
 
-/// Slip of one contact of a stone.
+/// Slip of one contact of a stone; those with tools are the tools' own: see ToolMemory.
 struct StoneSlip {
-  enum class With : std::uint32_t { kParticle, kStone, kWall, kTool };
+  enum class With : std::uint32_t { kParticle, kStone, kWall };
   std::uint32_t stone = 0;
   With with = With::kParticle;
-  std::uint32_t sphere = 0;          ///< sphere of the stone; 0 with particles, which touch it as one
-  std::uint32_t other = 0;           ///< particle, stone, or wall: 0 floor, 1 at x, 2 at y; for a tool its side
-  float x = 0, y = 0, z = 0, w = 0;  ///< m; w only with jaws
+  std::uint32_t sphere = 0;   ///< sphere of the stone; 0 with particles, which touch it as one
+  std::uint32_t other = 0;    ///< particle, stone, or wall: 0 floor, 1 at x, 2 at y
+  float x = 0, y = 0, z = 0;  ///< m
 
   [[nodiscard]] bool operator==(const StoneSlip&) const = default;
 };

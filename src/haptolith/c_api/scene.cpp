@@ -256,7 +256,7 @@ std::int32_t hapto_scene_state_hash(const hapto_scene* scene, std::uint64_t* out
     return wrongArgument(HAPTO_NULL, "out");
   }
   return with(scene, [&](const SceneObject& object) {
-    *out = object.scene().bed().hash();
+    *out = object.scene().hash();
     return HAPTO_OK;
   });
 }

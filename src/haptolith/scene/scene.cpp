@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/measure/bed_check.h"
@@ -41,99 +43,149 @@ bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept {
          std::abs(place_m.y()) <= bed.length_m / 2 + kBeside_m && place_m.z() >= -kBeside_m && place_m.z() <= kAbove_m;
 }
 
-int Scene::substepsOf(const BedParameters& bed, const ToolParameters& tool) {
-  validate(bed);
-  validate(tool);
-  if (const double reach_m = contactReach(tool, bed);
-      tool.shape == ToolShape::kMesh && tool.mesh->field.band() < reach_m) {
-    throw InvalidParameter("mesh", fmt::format("with distances known to {:g} m", tool.mesh->field.band()),
-                           fmt::format("one made for this soil, to {:g} m", reach_m));
+ToolSet::ToolSet(std::vector<ToolParameters> tools) : tools_(std::move(tools)) {
+  if (tools_.size() > kMost) {
+    throw InvalidParameter("tools", fmt::format("{}", tools_.size()), fmt::format("at most {}", kMost));
   }
-  return substepsFor(bed, stiffnessInStep(tool, bed.soil.friction));
 }
 
-Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress)
-    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, progress), opening_m_(tool.opening_m) {}
-
-Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m,
-             const std::vector<Pose>& stones)
-    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, centres_m, stones), opening_m_(tool.opening_m) {}
-
-Scene::Scene(const BedParameters& bed, const ToolParameters& tool, const LyingSoil& lying)
-    : tool_(tool), substeps_(substepsOf(bed, tool)), bed_(bed, lying), opening_m_(tool.opening_m) {}
-
-void Scene::setTool(const ToolParameters& tool) noexcept {
-  for (const std::uint32_t group : bed_.groupsNear(tool_pose_.position_m, 0)) {  // and those that the old one was near
-    for (std::size_t i = group * kGroup; i < std::min((group + 1) * kGroup, bed_.particles()); ++i) {
-      bed_.toolSides()[i] = 0;
-      bed_.externalForces()[i] = {};
-      if (!bed_.toolSlip().empty()) {
-        bed_.toolSlip()[i] = {};
-      }
+int Scene::substepsOf(const BedParameters& bed, const ToolSet& tools) {
+  validate(bed);
+  for (const ToolParameters& tool : tools.all()) {
+    validate(tool);
+    if (const double reach_m = contactReach(tool, bed);
+        tool.shape == ToolShape::kMesh && tool.mesh->field.band() < reach_m) {
+      throw InvalidParameter("mesh", fmt::format("with distances known to {:g} m", tool.mesh->field.band()),
+                             fmt::format("one made for this soil, to {:g} m", reach_m));
     }
   }
-  bed_.stones().forgetTool();
-  tool_ = tool;
-  opening_m_ = opening_ * tool.opening_m;
+  return substepsFor(bed, stiffnessInStep(tools.all(), bed.soil));
 }
 
-void Scene::open(double share) noexcept {
-  if (std::isfinite(share)) {
-    opening_ = std::clamp(share, 0.0, 1.0);
+Scene::Scene(const BedParameters& bed, const ToolSet& tools, const SettleProgress& progress)
+    : substeps_(substepsOf(bed, tools)), bed_(bed, progress) {
+  makeTools(tools);
+}
+
+Scene::Scene(const BedParameters& bed, const ToolSet& tools, const std::vector<Vec3>& centres_m,
+             const std::vector<Pose>& stones)
+    : substeps_(substepsOf(bed, tools)), bed_(bed, centres_m, stones) {
+  makeTools(tools);
+}
+
+Scene::Scene(const BedParameters& bed, const ToolSet& tools, const LyingSoil& lying)
+    : substeps_(substepsOf(bed, tools)), bed_(bed, lying) {
+  makeTools(tools);
+}
+
+void Scene::makeTools(const ToolSet& tools) {
+  tools_.reserve(tools.all().size());
+  for (const ToolParameters& tool : tools.all()) {
+    tools_.emplace_back(tool, bed_);
   }
 }
 
-void Scene::placeTool(const HandState& hand) noexcept {
-  open(hand.opening);
-  opening_m_ = opening_ * tool_.opening_m;
+void Scene::setTool(const ToolParameters& parameters, std::size_t tool) noexcept {
+  Tool& changed = at(tool);
+  changed.memory.forget(bed_.groupsNear(changed.memory.near(), changed.pose.position_m, 0));
+  changed.parameters = parameters;
+  changed.opening_m = changed.opening * parameters.opening_m;
+}
+
+void Scene::Tool::open(double share) noexcept {
+  if (std::isfinite(share)) {
+    opening = std::clamp(share, 0.0, 1.0);
+  }
+}
+
+void Scene::placeTool(const HandState& hand, std::size_t tool) noexcept {
+  Tool& placed = at(tool);
+  placed.open(hand.opening);
+  placed.opening_m = placed.opening * placed.parameters.opening_m;
   if (isSomewhere(hand)) {
-    tool_pose_ = hand.pose;
+    placed.pose = hand.pose;
   }
 }
 
 bool Scene::moveGrain(const GrainMove& move) noexcept {
-  const double clear_m = enclosingRadius(tool_) + 4 * bed_.parameters().soil.radius_m;
-  const auto is_clear = [&](const Vec3& place_m) { return (place_m - tool_pose_.position_m).norm() > clear_m; };
-  return is_clear(move.from_m) && is_clear(move.to_m) && bed_.moveGrain(move);
+  const auto is_clear_of = [&](const Tool& tool) {
+    const double clear_m = enclosingRadius(tool.parameters) + 4 * bed_.parameters().soil.radius_m;
+    const auto is_clear = [&](const Vec3& place_m) { return (place_m - tool.pose.position_m).norm() > clear_m; };
+    return is_clear(move.from_m) && is_clear(move.to_m);
+  };
+  return std::ranges::all_of(tools_, is_clear_of) && bed_.moveGrain(move);
 }
 
-StepStatus Scene::tick(const HandState& hand) noexcept {
+std::uint64_t Scene::hash(std::size_t part, std::size_t parts) const noexcept {
+  std::array<ToolTrace, ToolSet::kMost> traces;
+  std::ranges::transform(tools_, traces.begin(), [](const Tool& tool) { return tool.memory.trace(); });
+  return bed_.hash({traces.data(), tools_.size()}, part, parts);
+}
+
+std::size_t Scene::bytes() const noexcept {
+  std::size_t bytes = bed_.bytes();
+  for (const Tool& tool : tools_) {
+    bytes += tool.memory.bytes();
+  }
+  return bytes;
+}
+
+void Scene::Tool::startTick(double tick_s) noexcept {
+  HAPTO_ASSERT(fade >= 0 && fade <= 1);
+  HAPTO_ASSERT(opening >= 0 && opening <= 1);
+  present = fade < 1 ? faded(parameters, fade) : parameters;
+  opening_m_s = (opening * parameters.opening_m - opening_m) / tick_s;
+  sum = {};
+}
+
+/// A tool's part of a substep that ends when `share` of the tick is over.
+void Scene::meetSoil(Tool& tool, const HandState& hand, double share, double dt_s) noexcept {
+  const Pose pose = interpolate(tool.pose, hand.pose, share);
+  tool.present.opening_m = std::lerp(tool.opening_m, tool.opening * tool.parameters.opening_m, share);
+  const ToolReaction now = applyToolContact(tool.present, pose, hand.twist, dt_s, bed_, tool.memory, tool.opening_m_s);
+  tool.sum.wrench.force_n += now.wrench.force_n;
+  tool.sum.wrench.torque_nm += now.wrench.torque_nm;
+  tool.sum.grip_n += now.grip_n;
+  tool.stiffness_n_m = now.stiffness_n_m;
+}
+
+StepStatus Scene::tickAll(std::span<const HandState> hands) noexcept {
   HAPTO_ASSERT(substeps_ >= 1);
-  HAPTO_ASSERT(tool_fade_ >= 0 && tool_fade_ <= 1);
-  HAPTO_ASSERT(opening_ >= 0 && opening_ <= 1);
-  if (!isSomewhere(hand)) {
-    soil_force_ = {};
-    stiffness_n_m_.setZero();
+  HAPTO_ASSERT(hands.size() <= tools_.size());
+  if (!std::ranges::all_of(hands, isSomewhere)) {
+    for (Tool& tool : tools_) {
+      tool.soil_force = {};
+      tool.stiffness_n_m.setZero();
+    }
     return StepStatus::kNotFinite;
   }
-  open(hand.opening);
-  const double dt = bed_.parameters().tick_s / substeps_;
-  const Pose from = tool_pose_;
-  ToolParameters tool = tool_fade_ < 1 ? faded(tool_, tool_fade_) : tool_;
-  const double opening_from_m = opening_m_;
-  const double opening_to_m = opening_ * tool_.opening_m;
-  const double opening_m_s = (opening_to_m - opening_from_m) / bed_.parameters().tick_s;
-  Wrench sum;
-  double grip_n = 0;
+  const double tick_s = bed_.parameters().tick_s;
+  for (std::size_t i = 0; i < tools_.size(); ++i) {
+    if (i < hands.size()) {
+      tools_[i].open(hands[i].opening);
+    }
+    tools_[i].startTick(tick_s);
+  }
+  const double dt_s = tick_s / substeps_;
   StepStatus status = StepStatus::kOk;
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
     const double share = static_cast<double>(substep) / substeps_;
-    const Pose pose = interpolate(from, hand.pose, share);
-    tool.opening_m = std::lerp(opening_from_m, opening_to_m, share);
-    const ToolReaction now = applyToolContact(tool, pose, hand.twist, dt, bed_, opening_m_s);
-    sum.force_n += now.wrench.force_n;
-    sum.torque_nm += now.wrench.torque_nm;
-    grip_n += now.grip_n;
-    stiffness_n_m_ = now.stiffness_n_m;
-    status = bed_.step(dt);
+    for (std::size_t i = 0; i < tools_.size(); ++i) {
+      meetSoil(tools_[i], i < hands.size() ? hands[i] : HandState{{tools_[i].pose, {}}, 1}, share, dt_s);
+    }
+    status = bed_.step(dt_s);
   }
   constexpr std::uint64_t kStepsPerCheck = 512;  // in debug and sanitizer builds; a check takes as long as a few steps
   HAPTO_ASSERT(status != StepStatus::kOk ||
                bed_.state().step % kStepsPerCheck >= static_cast<std::uint64_t>(substeps_) ||
                inconsistency(bed_.state()).empty());
-  tool_pose_ = hand.pose;
-  opening_m_ = opening_to_m;
-  soil_force_ = {{sum.force_n / substeps_, sum.torque_nm / substeps_}, grip_n / substeps_};
+  for (std::size_t i = 0; i < tools_.size(); ++i) {
+    Tool& tool = tools_[i];
+    tool.pose = i < hands.size() ? hands[i].pose : tool.pose;
+    tool.opening_m = tool.opening * tool.parameters.opening_m;
+    tool.soil_force = {{tool.sum.wrench.force_n / substeps_, tool.sum.wrench.torque_nm / substeps_},
+                       tool.sum.grip_n / substeps_};
+  }
   return status;
 }
 

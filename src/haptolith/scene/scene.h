@@ -1,11 +1,14 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "haptolith/bed/bed.h"
+#include "haptolith/core/assert.h"
 #include "haptolith/core/movement.h"
+#include "haptolith/tool/tool_memory.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
@@ -14,104 +17,168 @@ namespace haptolith {
 /// floor. May be called in the tick.
 [[nodiscard]] bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept;
 
+/// A tool between two ticks, with everything that determines its next ticks.
+struct SavedTool {
+  HandState hand;        ///< scene frame; how far jaws are to open; its twist does not count
+  double opening_m = 0;  ///< between the jaws
+  double fade = 1;
+  ToolForce soil_force;  ///< soil wrench of the last tick, scene frame
+  Eigen::Matrix3d contact_stiffness_n_m = Eigen::Matrix3d::Zero();
+  SavedToolMemory memory;
+};
+
 /// A scene between two ticks, with everything that determines its next ticks.
 struct SavedScene {
   SavedBed bed;
-  HandState tool;        ///< scene frame; how far jaws are to open; its twist does not count
-  double opening_m = 0;  ///< between the jaws
-  double tool_fade = 1;
-  ToolForce soil_force;  ///< soil wrench of the last tick, scene frame
-  Eigen::Matrix3d contact_stiffness_n_m = Eigen::Matrix3d::Zero();
+  std::vector<SavedTool> tools;
 };
 
 /// As bytes, and back. @throws Failure when the bytes are no saved scene, are cut short or of another version.
 [[nodiscard]] std::string serialise(const SavedScene& saved);
 [[nodiscard]] SavedScene deserialiseSavedScene(std::string_view bytes);
 
-/// A bed and a tool in it: what stands between a pose and a wrench. No device and no clock.
+/// The tools of a scene: none to kMost of them.
+class ToolSet {
+ public:
+  static constexpr std::size_t kMost = 16;
+
+  /// One tool.
+  ToolSet(const ToolParameters& tool = {})
+      : tools_{tool} {}  // NOLINT(google-explicit-constructor): a tool is a set of one
+  /// @throws InvalidParameter for more than kMost.
+  explicit ToolSet(std::vector<ToolParameters> tools);
+
+  [[nodiscard]] std::span<const ToolParameters> all() const noexcept { return tools_; }
+
+ private:
+  std::vector<ToolParameters> tools_;
+};
+
+/// A bed and tools in it: what stands between poses and wrenches. No device and no clock.
+///
+/// Tools have numbers from 0 on. They meet the soil one after the other, at the same places of its particles; a
+/// particle that several of them touch feels the sum, in order of their numbers.
 class Scene {
  public:
   /// @throws InvalidParameter when the parameters are not valid, or when one tick would need too many substeps; Failure
   /// as Bed::settle().
-  Scene(const BedParameters& bed, const ToolParameters& tool, const SettleProgress& progress = {});
+  Scene(const BedParameters& bed, const ToolSet& tools, const SettleProgress& progress = {});
 
   /// As above with soil and stones at given positions, at rest; the seed determines each particle's size.
-  Scene(const BedParameters& bed, const ToolParameters& tool, const std::vector<Vec3>& centres_m,
+  Scene(const BedParameters& bed, const ToolSet& tools, const std::vector<Vec3>& centres_m,
         const std::vector<Pose>& stones = {});
 
   /// As above from soil of a bed with such parameters, with each particle's size: the seed does not determine it where
   /// soil was repeated from a tile or surrounds stones.
-  Scene(const BedParameters& bed, const ToolParameters& tool, const LyingSoil& lying);
+  Scene(const BedParameters& bed, const ToolSet& tools, const LyingSoil& lying);
 
   /// Continues a saved scene bit for bit, without settling its soil again.
   /// @throws InvalidParameter as restore().
-  Scene(const BedParameters& bed, const ToolParameters& tool, const SavedScene& saved);
+  Scene(const BedParameters& bed, const ToolSet& tools, const SavedScene& saved);
 
-  /// One tick: moves the tool from where it was to where `hand` has it, and opens jaws, in equal substeps, steps the
-  /// bed each time, and leaves the mean of the soil's force in soilForce(). An opening that is not finite changes
-  /// nothing; no tool but jaws takes notice of one. A tool that is nowhere (a pose or twist that is not finite, an
-  /// orientation whose norm is not 1) is kNotFinite: nothing moves then, the soil wrench is zero, and the scene can go
-  /// on. May be called in the tick.
-  [[nodiscard]] StepStatus tick(const HandState& hand) noexcept;
+  /// One tick: moves each tool from where it was to where its hand has it, and opens jaws, in equal substeps, steps the
+  /// bed each time, and leaves the mean of the soil's force in soilForce(). The hands are those of the first tools;
+  /// the others stay where they are. An opening that is not finite changes nothing; no tool but jaws takes notice of
+  /// one. When a hand is nowhere (a pose or twist that is not finite, an orientation whose norm is not 1) the tick is
+  /// kNotFinite: nothing moves then, soil wrenches are zero, and the scene can go on. May be called in the tick.
+  [[nodiscard]] StepStatus tickAll(std::span<const HandState> hands) noexcept;
+  /// As above with the first tool's hand alone.
+  [[nodiscard]] StepStatus tick(const HandState& hand) noexcept { return tickAll(std::span(&hand, 1)); }
 
-  /// Soil wrench: of the soil on the tool, mean over the last tick, about the tool's origin, scene frame, unfiltered.
-  [[nodiscard]] const Wrench& soilWrench() const noexcept { return soil_force_.wrench; }
+  [[nodiscard]] std::size_t tools() const noexcept { return tools_.size(); }
+
+  /// Soil wrench: of the soil on a tool, mean over the last tick, about the tool's origin, scene frame, unfiltered.
+  [[nodiscard]] const Wrench& soilWrench(std::size_t tool = 0) const noexcept { return at(tool).soil_force.wrench; }
   /// The soil wrench and the force that pushed jaws apart (see ToolReaction), 0 with another tool.
-  [[nodiscard]] const ToolForce& soilForce() const noexcept { return soil_force_; }
+  [[nodiscard]] const ToolForce& soilForce(std::size_t tool = 0) const noexcept { return at(tool).soil_force; }
 
   /// Derivative of the force by the tool's position at the end of the last tick: see ToolReaction.
-  [[nodiscard]] const Eigen::Matrix3d& contactStiffness() const noexcept { return stiffness_n_m_; }
+  [[nodiscard]] const Eigen::Matrix3d& contactStiffness(std::size_t tool = 0) const noexcept {
+    return at(tool).stiffness_n_m;
+  }
 
   /// Between the jaws now, in m; 0 with another tool.
-  [[nodiscard]] double opening() const noexcept { return tool_.shape == ToolShape::kJaws ? opening_m_ : 0; }
+  [[nodiscard]] double opening(std::size_t tool = 0) const noexcept {
+    return at(tool).parameters.shape == ToolShape::kJaws ? at(tool).opening_m : 0;
+  }
 
-  /// Places the tool at `hand` without moving it there, and sets the opening of jaws. A tool without a pose, see
-  /// tick(), keeps its place.
-  void placeTool(const HandState& hand) noexcept;
+  /// Places a tool at `hand` without moving it there, and sets the opening of jaws. A tool without a pose, see
+  /// tickAll(), keeps its place.
+  void placeTool(const HandState& hand, std::size_t tool = 0) noexcept;
 
-  /// Sets the present fraction of the tool, 0 to 1: its stiffness, damping and cohesion are scaled, in both
+  /// Sets the present fraction of a tool, 0 to 1: its stiffness, damping and cohesion are scaled, in both
   /// directions. Soil inside a tool is moved out gently when this grows slowly. May be
   /// called in the tick.
-  void setToolFade(double share) noexcept { tool_fade_ = share; }
-  [[nodiscard]] double toolFade() const noexcept { return tool_fade_; }
+  void setToolFade(double share, std::size_t tool = 0) noexcept { at(tool).fade = share; }
+  [[nodiscard]] double toolFade(std::size_t tool = 0) const noexcept { return at(tool).fade; }
 
   /// Another tool, as stiff as the one before it (else a tick might need more substeps), which forgets what the other
   /// touched. May be called in the tick.
-  void setTool(const ToolParameters& tool) noexcept;
+  void setTool(const ToolParameters& parameters, std::size_t tool = 0) noexcept;
 
-  /// Sets the friction between soil and tool; contacts persist. May be called in the tick.
-  void setToolFriction(double friction) noexcept { tool_.friction = friction; }
+  /// Sets the friction between soil and a tool; contacts persist. May be called in the tick.
+  void setToolFriction(double friction, std::size_t tool = 0) noexcept { at(tool).parameters.friction = friction; }
 
-  /// As Bed::moveGrain(), away from the tool: what it touches, and what lies within two grains' width of the sphere
-  /// around it, stays. May be called in the tick.
+  /// As Bed::moveGrain(), away from the tools: what they touch, and what lies within two grains' width of the spheres
+  /// around them, stays. May be called in the tick.
   [[nodiscard]] bool moveGrain(const GrainMove& move) noexcept;
 
   /// Returns everything that this scene, or another of equal parameters, needs to continue from here. Not for the tick.
   [[nodiscard]] SavedScene save() const;
-  /// Not for the tick. @throws InvalidParameter as Bed::restore(), and for a tool that is nowhere; the scene is then as
-  /// it was.
+  /// Not for the tick. @throws InvalidParameter as Bed::restore(), for another number of tools, and for a tool that is
+  /// nowhere; the scene is then as it was.
   void restore(const SavedScene& saved);
 
   [[nodiscard]] Bed& bed() noexcept { return bed_; }
   [[nodiscard]] const Bed& bed() const noexcept { return bed_; }
-  [[nodiscard]] const ToolParameters& tool() const noexcept { return tool_; }
-  [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }  ///< scene_T_tool
+  [[nodiscard]] const ToolParameters& tool(std::size_t tool = 0) const noexcept { return at(tool).parameters; }
+  [[nodiscard]] const Pose& toolPose(std::size_t tool = 0) const noexcept { return at(tool).pose; }  ///< scene_T_tool
+  [[nodiscard]] const ToolMemory& toolMemory(std::size_t tool = 0) const noexcept { return at(tool).memory; }
   [[nodiscard]] int substeps() const noexcept { return substeps_; }
+  /// As Bed::hash(), with what the tools remember of their contacts. May be called in the tick.
+  [[nodiscard]] std::uint64_t hash(std::size_t part = 0, std::size_t parts = 1) const noexcept;
+  /// Bytes of memory in use, bed and tools together.
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  [[nodiscard]] static int substepsOf(const BedParameters& bed, const ToolParameters& tool);
-  void open(double share) noexcept;
-  void recallTool(const SavedScene& saved) noexcept;
+  struct Tool {
+    Tool(const ToolParameters& tool, const Bed& bed) : parameters(tool), opening_m(tool.opening_m), memory(bed) {}
 
-  ToolParameters tool_;
+    void open(double share) noexcept;
+    void startTick(double tick_s) noexcept;
+    void recall(const SavedTool& saved) noexcept;
+
+    ToolParameters parameters;
+    Pose pose;
+    double opening = 1;  ///< opening of the jaws at the end of the tick
+    double opening_m;    ///< now
+    double fade = 1;
+    ToolForce soil_force;
+    Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
+    ToolMemory memory;
+
+    // Of the present tick.
+    ToolParameters present;  ///< as far as it is there, and as far open as it is
+    double opening_m_s = 0;
+    ToolForce sum;  ///< of its substeps
+  };
+  [[nodiscard]] static int substepsOf(const BedParameters& bed, const ToolSet& tools);
+  void makeTools(const ToolSet& tools);
+  void meetSoil(Tool& tool, const HandState& hand, double share, double dt_s) noexcept;
+  void requireSound(const SavedScene& saved) const;
+  void recallTools(const SavedScene& saved) noexcept;
+  [[nodiscard]] Tool& at(std::size_t tool) noexcept {
+    HAPTO_ASSERT(tool < tools_.size());
+    return tools_[tool];
+  }
+  [[nodiscard]] const Tool& at(std::size_t tool) const noexcept {
+    HAPTO_ASSERT(tool < tools_.size());
+    return tools_[tool];
+  }
+
   int substeps_;
   Bed bed_;
-  Pose tool_pose_;
-  double opening_ = 1;  ///< opening of the jaws at the end of the tick
-  double opening_m_;    ///< now
-  double tool_fade_ = 1;
-  ToolForce soil_force_;
-  Eigen::Matrix3d stiffness_n_m_ = Eigen::Matrix3d::Zero();
+  std::vector<Tool> tools_;
 };
 
 }  // namespace haptolith

@@ -78,7 +78,7 @@ Session::Showing Session::showFresh(const SceneFile& scene_file, std::shared_ptr
   made.scene_file = scene_file;
   made.made_of = scene_file.bed;
   SavedScene saved = fresh->saved;
-  saved.opening_m = scene_file.tool.opening_m;  // the tool may be another one
+  saved.tools.front().opening_m = scene_file.tool.opening_m;  // the tool may be another one
   made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, saved);
   made.fresh = std::move(fresh);
   return made;

@@ -25,6 +25,18 @@ double stiffnessInStep(const ToolParameters& tool, FrictionModel friction) noexc
   return jaws * tool.stiffness_n_m * (friction == FrictionModel::kContact ? 1 + tool.damping_factor : 1);
 }
 
+double stiffnessInStep(std::span<const ToolParameters> tools, const SoilParameters& soil) noexcept {
+  double stiffest = 0;
+  double second = 0;
+  for (const ToolParameters& tool : tools) {
+    const double own = stiffnessInStep(tool, soil.friction);
+    second = std::max(second, std::min(own, stiffest));
+    stiffest = std::max(stiffest, own);
+  }
+  const double wall = 2 * soil.stiffness_n_m;
+  return stiffest + std::max(second - wall, 0.0);
+}
+
 double contactReach(const ToolParameters& tool, const SoilParameters& soil) noexcept {
   const double outside_m = (1 + tool.adhesion_ratio) * soil.radius_m;
   if (soil.friction != FrictionModel::kContact) {
@@ -159,7 +171,7 @@ class Tangents {
   Columns turned_;
 };
 
-/// Slip of a particle on one of two jaws, tool frame: see ToolMemory.
+/// Slip of a particle on one of two jaws, tool frame: see ParticleMemory.
 Vec3 slipAlong(const Float4& kept, std::size_t jaw, const Vec3& normal) {
   HAPTO_ASSERT(jaw < 2);
   return Tangents(normal).along(jaw == 0 ? Eigen::Vector2d(kept.x, kept.y) : Eigen::Vector2d(kept.z, kept.w));
@@ -194,12 +206,12 @@ class Encounter {
         rotation_(scene_T_tool.orientation.toRotationMatrix()) {}
 
   /// Meets those stones that are near, sphere by sphere: to the tool each sphere is a grain that turns with its stone.
-  void meet(Stones& stones) noexcept {
+  void meet(Stones& stones, ToolMemory& memory) noexcept {
     for (std::size_t i = 0; i < stones.size(); ++i) {
       const Pose pose = stones.pose(i);
       const double near_m = enclosing_m_ + stones.shape(i)->reach_m;
       if ((pose.position_m - pose_.position_m).squaredNorm() < near_m * near_m) {
-        meet(stones, i);
+        meet(stones, i, memory.stone(i));
       }
     }
   }
@@ -207,29 +219,36 @@ class Encounter {
   /// From the tool's origin to the centre of a particle it may touch.
   [[nodiscard]] double reach() const noexcept { return reach_m_; }
 
-  /// Computes contacts of particles first..last-1, a group or a part of one. Particles further from the box around the
-  /// tool than contact reaches are skipped: their contact has ended, and their memory is cleared.
-  void meet(std::size_t first, std::size_t last, const BedState& state, const ToolMemory& memory,
-            std::vector<Float4>& forces) noexcept {
+  /// Forces on the particles of one group.
+  using Forces = std::array<Float4, kGroup>;
+
+  /// Computes contacts of particles first..last-1, a group or a part of one, and returns whether the tool puts forces
+  /// on any. Particles further from the box around the tool than contact reaches are skipped: their contact has ended,
+  /// and their memory is cleared.
+  bool meet(std::size_t first, std::size_t last, const BedState& state, const ParticleMemory& memory,
+            Forces& forces) noexcept {
     HAPTO_ASSERT(first % kGroup == 0 && first < last && last <= first + kGroup);
     HAPTO_ASSERT(last <= state.particles());
-    HAPTO_ASSERT(forces.size() >= last && memory.side.size() >= last);
+    HAPTO_ASSERT(memory.side.size() >= last);
     HAPTO_ASSERT(!contact_friction_ || memory.slip.size() >= last);
     const std::uint32_t near = nearBox(box_, around_m_, state.position.data() + first);
-    if (near == 0 && isForgotten(first, last, memory, forces)) {
-      return;  // writing would invalidate the caches of the threads that step the bed
+    if (near == 0 && isForgotten(first, last, memory)) {
+      return false;
     }
+    forces = {};
+    bool pushes = false;
     for (std::size_t i = first; i < last; ++i) {
       if ((near >> (i - first) & 1) != 0 && !state.isHeld(i)) {
-        forces[i] = meet(i, state, memory);
+        const Float4& force = forces[i - first] = meet(i, state, memory);
+        pushes = pushes || force.x != 0 || force.y != 0 || force.z != 0;
       } else {
-        forces[i] = {};
         memory.side[i] = 0;
         if (contact_friction_) {
           memory.slip[i] = {};
         }
       }
     }
+    return pushes;
   }
 
   [[nodiscard]] const ToolReaction& reaction() const noexcept { return reaction_; }
@@ -242,14 +261,13 @@ class Encounter {
     return {of(0), of(1), of(2), of(3)};
   }
 
-  /// Whether the tool puts no force on particles first..last-1 and remembers nothing of them.
-  [[nodiscard]] bool isForgotten(std::size_t first, std::size_t last, const ToolMemory& memory,
-                                 const std::vector<Float4>& forces) const noexcept {
+  /// Whether the tool remembers nothing of particles first..last-1.
+  [[nodiscard]] bool isForgotten(std::size_t first, std::size_t last, const ParticleMemory& memory) const noexcept {
     static constexpr std::array<Float4, kGroup> kNothing{};
     const auto nothing = [&](const auto& kept) {
       return std::memcmp(kept.data() + first, kNothing.data(), (last - first) * sizeof(kept[0])) == 0;
     };
-    return nothing(memory.side) && nothing(forces) && (!contact_friction_ || nothing(memory.slip));
+    return nothing(memory.side) && (!contact_friction_ || nothing(memory.slip));
   }
 
   /// The tool as a bare stone meets it: only soil clings.
@@ -259,7 +277,7 @@ class Encounter {
   }
 
   /// Force on one particle within reach.
-  Float4 meet(std::size_t i, const BedState& state, const ToolMemory& memory) noexcept {
+  Float4 meet(std::size_t i, const BedState& state, const ParticleMemory& memory) noexcept {
     HAPTO_ASSERT(i < state.particles());
     HAPTO_ASSERT(!state.isHeld(i));
     const Float4& p = state.position[i];
@@ -273,11 +291,10 @@ class Encounter {
   }
 
   /// Forces on one stone.
-  void meet(Stones& stones, std::size_t stone) noexcept {
+  void meet(Stones& stones, std::size_t stone, std::span<SphereMemory> memory) noexcept {
     HAPTO_ASSERT(stone < stones.size());
     const Vec3 middle_m = stones.pose(stone).position_m;
     const Twist twist = stones.twist(stone);
-    const std::span<StoneToolMemory> memory = stones.toolMemory(stone);
     const std::span<const Vec3> centres_m = stones.spheres(stone);
     for (std::size_t s = 0; s < centres_m.size(); ++s) {
       const Grain grain{.lever_m = centres_m[s] - pose_.position_m,
@@ -400,25 +417,31 @@ class Encounter {
 }  // namespace
 
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
-                              const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
-                              std::vector<Float4>& forces, double opening_m_s) noexcept {
+                              const SoilParameters& soil, double dt_s, const BedState& state,
+                              const ParticleMemory& memory, std::vector<Float4>& forces, double opening_m_s) noexcept {
   const GrainClasses alike(soil.radius_m);
   Encounter encounter(tool, scene_T_tool, twist, opening_m_s, soil, alike, dt_s);
   for (std::size_t first = 0; first < state.particles(); first += kGroup) {
-    encounter.meet(first, std::min(first + kGroup, state.particles()), state, memory, forces);
+    const std::size_t last = std::min(first + kGroup, state.particles());
+    Encounter::Forces on_group{};
+    (void)encounter.meet(first, last, state, memory, on_group);
+    std::copy_n(on_group.begin(), last - first, forces.begin() + static_cast<std::ptrdiff_t>(first));
   }
   return encounter.reaction();
 }
 
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
-                              Bed& bed, double opening_m_s) noexcept {
+                              Bed& bed, ToolMemory& memory, double opening_m_s) noexcept {
   Encounter encounter(tool, scene_T_tool, twist, opening_m_s, bed.parameters().soil, bed.classes(), dt_s);
-  const ToolMemory memory{bed.toolSides(), bed.toolSlip()};
-  for (const std::uint32_t group : bed.groupsNear(scene_T_tool.position_m, encounter.reach())) {
+  const ParticleMemory particles = memory.particles();
+  for (const std::uint32_t group : bed.groupsNear(memory.near(), scene_T_tool.position_m, encounter.reach())) {
     const std::size_t first = group * kGroup;
-    encounter.meet(first, std::min(first + kGroup, bed.particles()), bed.state(), memory, bed.externalForces());
+    Encounter::Forces forces;
+    if (encounter.meet(first, std::min(first + kGroup, bed.particles()), bed.state(), particles, forces)) {
+      bed.push(group, forces);
+    }
   }
-  encounter.meet(bed.stones());
+  encounter.meet(bed.stones(), memory);
   return encounter.reaction();
 }
 

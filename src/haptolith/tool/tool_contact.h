@@ -6,6 +6,7 @@
 #include "haptolith/bed/bed.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/soil/soil_parameters.h"
+#include "haptolith/tool/tool_memory.h"
 #include "haptolith/tool/tool_parameters.h"
 
 namespace haptolith {
@@ -24,6 +25,10 @@ namespace haptolith {
 /// jaws hold the particle from both sides. With contact friction its damper comes to it, 2 c_tool / dt: the step bears
 /// dt^2 k + 2 dt c. The paper's steps have room for it.
 [[nodiscard]] double stiffnessInStep(const ToolParameters& tool, FrictionModel friction) noexcept;
+
+/// As above for several tools that may hold one particle between them. A particle that two of them press has soil on
+/// neither side: the second stands where the step expects a wall, which is 2 k stiff, so only what exceeds that counts.
+[[nodiscard]] double stiffnessInStep(std::span<const ToolParameters> tools, const SoilParameters& soil) noexcept;
 
 /// Largest distance of a particle's centre from the tool's surface at which a force acts, in m.
 [[nodiscard]] double contactReach(const ToolParameters& tool, const SoilParameters& soil) noexcept;
@@ -44,14 +49,6 @@ struct ToolReaction {
   double grip_n = 0;
 };
 
-/// Memory of the tool's contact for every particle: the large face of the tool that it touches, and, with contact
-/// friction, its slip along the tool, in m, tool frame. With jaws it is the sides of both (see JawContacts),
-/// and of both slips, which are along a surface, the two numbers that are not 0.
-struct ToolMemory {
-  std::vector<std::int8_t>& side;
-  std::vector<Float4>& slip;
-};
-
 /// The tool against all particles: writes their forces to `forces` and returns the reaction on the tool. Particles
 /// further from the box around the tool than contact reaches are passed over without an exact test, 16 at a time. May
 /// be called in the tick.
@@ -63,14 +60,16 @@ struct ToolMemory {
 /// @param scene_T_tool  pose of the tool; `twist` its velocity.
 /// @param opening_m_s  how fast jaws open.
 /// @param state   positions and velocities.
-/// @param memory  read and written; may be the state's own.
+/// @param memory  read and written.
 /// @param forces  one per particle; overwritten with the tool's force, 0 where it does not reach.
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist,
-                              const SoilParameters& soil, double dt_s, const BedState& state, const ToolMemory& memory,
-                              std::vector<Float4>& forces, double opening_m_s = 0) noexcept;
+                              const SoilParameters& soil, double dt_s, const BedState& state,
+                              const ParticleMemory& memory, std::vector<Float4>& forces,
+                              double opening_m_s = 0) noexcept;
 
-/// As above for a tool in a bed: only particles near it are checked.
+/// As above for a tool in a bed: only particles near it are checked. The forces, and those on stones, are for the next
+/// step, and come to those of other tools.
 ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_tool, const Twist& twist, double dt_s,
-                              Bed& bed, double opening_m_s = 0) noexcept;
+                              Bed& bed, ToolMemory& memory, double opening_m_s = 0) noexcept;
 
 }  // namespace haptolith

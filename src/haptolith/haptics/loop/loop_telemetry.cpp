@@ -45,7 +45,7 @@ void LoopTelemetry::record(const LoopClock& clock, const Scene& scene) noexcept 
   // A bed that has failed has been stepped in part only.
   const std::size_t parts = hashedParts(scene.bed());
   const bool hash = hashes_ && (now.flags & kTickFailed) == 0;
-  now.state_hash = hash ? scene.bed().hash(statistics_.ticks() % parts, parts) : 0;
+  now.state_hash = hash ? scene.hash(statistics_.ticks() % parts, parts) : 0;
   if (!records_.push(now)) {
     lost_records_.fetch_add(1, std::memory_order_relaxed);
   }

@@ -215,11 +215,11 @@ void addTool(ContactNetwork& network, const ToolParameters& tool, const Pose& sc
       }
     };
     if (tool.shape == ToolShape::kJaws) {
-      for (const JawContact& jaw : jawContacts(tool, centre_m, radius_m, state.tool_side[i]).jaws) {
+      for (const JawContact& jaw : jawContacts(tool, centre_m, radius_m, 0).jaws) {
         add(jaw.found, jaw.share);
       }
     } else {
-      add(penetration(tool, centre_m, radius_m, state.tool_side[i]), 1);
+      add(penetration(tool, centre_m, radius_m, 0), 1);
     }
   }
 }

@@ -37,7 +37,7 @@ struct ContactNetwork {
 /// @param bed  a bed with contact friction. Not for the tick.
 [[nodiscard]] ContactNetwork contactNetwork(const Bed& bed);
 
-/// Adds the contacts with a tool. Their damping depends on the step (paper 21).
+/// Adds the contacts with a tool, each with the surface next to it. Their damping depends on the step (paper 21).
 void addTool(ContactNetwork& network, const ToolParameters& tool, const Pose& scene_T_tool, double dt_s,
              const Bed& bed);
 

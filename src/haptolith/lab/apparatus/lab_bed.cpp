@@ -296,7 +296,7 @@ void LabBed::step() {
       tool_pose_.orientation =
           (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_pose_.orientation).normalized();
     }
-    wrench_ = applyToolContact(*tool_, tool_pose_, tool_twist_, dt_s_, bed_).wrench;
+    wrench_ = applyToolContact(*tool_, tool_pose_, tool_twist_, dt_s_, bed_, tool_memory_).wrench;
   }
   if (const StepStatus status = bed_.step(dt_s_); status != StepStatus::kOk) {
     throw Failure(fmt::format("the test failed after {:.3f} s of simulated time: {}", time_s_, text(status)));

@@ -129,6 +129,7 @@ class LabBed {
   std::vector<std::size_t> body_begin_;  ///< first particle of each body, and the end
   Bed bed_;
   std::optional<ToolParameters> tool_;
+  ToolMemory tool_memory_{bed_};
   Pose tool_pose_;
   Twist tool_twist_;
   Wrench wrench_;
