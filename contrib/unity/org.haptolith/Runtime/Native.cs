@@ -408,7 +408,7 @@ namespace Haptolith
     /// <summary>
     /// One tick of tick_s: moves the tool in a straight line to the pose while the soil answers.
     /// twist        how fast the tool moves, for damping and friction; NULL: as the way from where it was says.
-    /// soil_wrench  wrench of the soil on the tool, mean over the tick, scene frame; may be NULL.
+    /// soil_wrench  wrench of the soil on the tool, mean over the tick, about the tool's origin, scene frame; may be NULL.
     /// Errors: HAPTO_INVALID_PARAMETER for a pose that is not finite, not of norm 1, or further than 1 m outside the box or
     /// 3 m above its floor; HAPTO_NOT_FINITE and HAPTO_COLLAPSED from then on until another state is set. [1 kHz]
     /// </summary>
@@ -422,7 +422,7 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_steps(IntPtr scene, ulong count, hapto_pose* poses, hapto_twist* twists, hapto_wrench* soil_wrenches, ulong* done);
 
-    /// <summary>Wrench of the soil on the tool in the last tick, scene frame. [1 kHz]</summary>
+    /// <summary>Wrench of the soil on the tool in the last tick, about the tool's origin, scene frame. [1 kHz]</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_get_wrench(IntPtr scene, hapto_wrench* soil_wrench);
 
