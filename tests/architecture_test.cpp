@@ -234,7 +234,7 @@ TEST(Architecture, NoFolderHasMoreThan30Sources) {
   }
 }
 
-/// Words that had several meanings, or another word beside them, and the one that is left for each.
+/// Words that had several meanings, or a synonym, and the word that is left for each.
 const std::map<std::string, std::string> kDroppedWords = {
     {"felt", "soil wrench, device wrench, displayed wrench"},
     {"let_?go", "release"},

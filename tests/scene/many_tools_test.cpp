@@ -241,7 +241,7 @@ TEST(TwoToolsInOneCluster, CloseTheEnergyBalance) {
       in_j += std::max(0.0, kShortTick_s * power_w);
     }
   }
-  // The plates have let go; what they did is the movement that is left.
+  // The plates touch nothing any more; their work is the movement that is left.
   EXPECT_TRUE(pinch.scene.soilWrench(0).force_n.isZero(0) && pinch.scene.soilWrench(1).force_n.isZero(0));
   EXPECT_GT(in_j, 1e-3);
   EXPECT_NEAR(pinch.scene.bed().energy(), work_j, 1e-3 * in_j);

@@ -65,7 +65,7 @@ struct SavedBed {
   StonesState stones;
 };
 
-/// What one tool remembers of each particle, to be hashed with a bed: see ToolMemory.
+/// Memory of one tool for each particle, for the hash of a bed: see ToolMemory.
 struct ToolTrace {
   std::span<const std::int8_t> side;
   std::span<const Float4> slip;  ///< empty with ICRA 2021 friction

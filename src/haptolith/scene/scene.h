@@ -80,7 +80,7 @@ class Scene {
   /// bed each time, and leaves the mean of the soil's force in soilForce(). The hands are those of the first tools;
   /// the others stay where they are. An opening that is not finite changes nothing; no tool but jaws takes notice of
   /// one. When a hand is nowhere (a pose or twist that is not finite, an orientation whose norm is not 1) the tick is
-  /// kNotFinite: nothing moves then, soil wrenches are zero, and the scene can go on. May be called in the tick.
+  /// kNotFinite: nothing moves then, soil wrenches are zero, and the scene can continue. May be called in the tick.
   [[nodiscard]] StepStatus tickAll(std::span<const HandState> hands) noexcept;
   /// As above with the first tool's hand alone.
   [[nodiscard]] StepStatus tick(const HandState& hand) noexcept { return tickAll(std::span(&hand, 1)); }
@@ -157,10 +157,10 @@ class Scene {
     Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
     ToolMemory memory;
 
-    // Of the present tick.
-    ToolParameters present;  ///< as far as it is there, and as far open as it is
+    // State within a tick.
+    ToolParameters present;  ///< faded and opened as now
     double opening_m_s = 0;
-    ToolForce sum;  ///< of its substeps
+    ToolForce sum;  ///< sum over the substeps so far
   };
   [[nodiscard]] static int substepsOf(const BedParameters& bed, const ToolSet& tools);
   void makeTools(const ToolSet& tools);

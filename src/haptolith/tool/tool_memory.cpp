@@ -22,7 +22,7 @@ Float4 float4(const SavedSlip& slip_m) noexcept {
   return {slip_m[0], slip_m[1], slip_m[2], slip_m[3]};
 }
 
-/// Whether nothing is remembered, to the bit: -0 is something.
+/// Whether all bits are zero: a slip of -0 counts as memory, for the sake of hashes.
 bool isNothing(std::int32_t side, const SavedSlip& slip_m) noexcept {
   return side == 0 && std::bit_cast<std::array<std::uint32_t, 4>>(slip_m) == std::array<std::uint32_t, 4>{};
 }

@@ -17,7 +17,7 @@ struct ParticleMemory {
   std::span<Float4> slip;
 };
 
-/// The same for one sphere of a stone.
+/// Memory of a tool's contact for one sphere of a stone.
 struct SphereMemory {
   std::int8_t side = 0;
   Float4 slip_m;
@@ -41,10 +41,10 @@ struct SavedToolMemory {
   std::vector<std::uint32_t> near_groups;  ///< that Bed::groupsNear() found last, without those before
 };
 
-/// What one tool remembers of the soil and the stones that it touches. It belongs to the tool: a bed knows none.
+/// Memory of one tool for the soil and the stones that it touches. It belongs to the tool: a bed has none.
 class ToolMemory {
  public:
-  /// Of nothing yet, with room for everything in the bed. Not for the tick.
+  /// Empty memory, with room for everything in the bed. Not for the tick.
   explicit ToolMemory(const Bed& bed);
 
   [[nodiscard]] ParticleMemory particles() noexcept { return {side_, slip_}; }
