@@ -65,10 +65,10 @@ HandState stirring(const Scene& scene, double surface_m, double time_s) {
 }
 
 /// The 99th percentile of ticks in step with the clock, as the loop's: one that has slept finds its data cold, and the
-/// other threads asleep. Disturbances only add to a tick, so the first of six turns that stays within the time
+/// other threads asleep. Disturbances only add to a tick, so the first of ten turns that stays within the time
 /// counts; another is over as soon as too many of its ticks are.
 double slowTickUs(Scene& scene, const LoopParameters& loop, const std::atomic<bool>& stop) {
-  constexpr int kTurns = 6;
+  constexpr int kTurns = 10;
   constexpr std::uint64_t kAllowed = kTicks / 100;
   const double surface_m = scene.bed().surfaceHeight();
   const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 * loop.tick_s));
