@@ -373,13 +373,13 @@ void Validation::savePage() const {
   std::vector<std::string> introduction{
       fmt::format("    {}", command),
       fmt::format(
-          "{} haptolith {}; tests: {}, {:.1f} hours of one core.",
+          "{} haptolith {}; {} simulated tests, {:.1f} hours of one core.",
           options_.seeds > 1
               ? fmt::format("Values are means of {} specimens or more, ± is the SD of one specimen, and n is the\n"
                             "number of specimens that gave a value.",
                             options_.seeds)
-              : "Values are from one specimen, so their SD is unknown. Where n is larger, they are means,\n"
-                "and ± is the SD of one specimen.",
+              : "Where n = 1, the value is from one specimen and has no SD. Where n is larger, it is the mean\n"
+                "of n specimens, and ± is the SD of a single one.",
           HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   if (options_.claims_file.empty()) {
     introduction.emplace_back(
