@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// One more whenever the measurement, or what is kept of it, is another.
-constexpr int kMeasurement = 1;
+constexpr int kMeasurement = 2;
 
 /// A team of more threads than that gains nothing in soil that this machine's neighbours hold
 /// (docs/reports/performance.md).
