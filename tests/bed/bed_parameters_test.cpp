@@ -80,6 +80,12 @@ TEST(BedParameters, WrongSoilIsRefusedByName) {
   expectRefused("moving_friction_ratio", [](BedParameters& bed) { bed.soil.moving_friction_ratio = 1.1; });
 }
 
+TEST(BedParameters, AGammaThatTheTickDoesNotResolveIsRefused) {
+  for (const double gamma_nm : {1e-12, 1e-20, 1e-323}) {
+    expectRefused("gamma_nm", [&](BedParameters& bed) { bed.soil.gamma_nm = gamma_nm; });
+  }
+}
+
 TEST(BedParameters, ABoxNarrowerThanAParticleIsRefused) {
   expectRefused("width_m", [](BedParameters& bed) { bed.width_m = 1.99 * bed.soil.radius_m; });
   BedParameters narrow;

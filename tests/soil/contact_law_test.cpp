@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "haptolith/core/error.h"
 #include "haptolith/soil/presets.h"
 
 #include "../printed_law.h"
@@ -117,6 +118,23 @@ TEST(ContactLaw, WithLinearGammaIsALinearSpring) {
   const ContactLaw law = makeContactLaw(soil);
   for (double a = 0.005; a < 0.014; a += 1e-5) {
     ASSERT_NEAR(contactForce(law, a), 6000 * (0.014 - a), 1e-6) << a;
+  }
+}
+
+TEST(ContactLaw, RefusesAGammaThatDoublesDoNotResolve) {
+  SoilParameters soil = contactFriction(0);
+  soil.stiffness_n_m = 6000;
+  const double a_min_m = makeContactLaw(soil).a_min_m;
+  soil.gamma_nm = 1.01 * 6000 * a_min_m * a_min_m * 1e-18;
+  const ContactLaw law = makeContactLaw(soil);
+  EXPECT_TRUE(std::isfinite(contactForce(law, law.a_thr_m)));
+  EXPECT_NO_THROW(requireHyperbola(law, 1e-9));
+  EXPECT_THROW(requireHyperbola(law, 1e-5), InvalidParameter);
+  for (const double share : {0.98, 1e-10, 1e-300}) {
+    SoilParameters less = soil;
+    less.gamma_nm *= share;
+    EXPECT_THROW(static_cast<void>(makeContactLaw(less)), InvalidParameter) << share;
+    EXPECT_NO_THROW(static_cast<void>(linearGamma(less))) << "which does not ask for gamma";
   }
 }
 

@@ -169,11 +169,13 @@ void validate(const BedParameters& bed) {
   validate(bed.soil);
   requireInRange("stiffness_n_m", bed.soil.stiffness_n_m,
                  {});  // the analysis of layers may have it infinite, a bed not
+  const ContactLaw law = makeContactLaw(bed.soil);
+  requireHyperbola(law, 1e-5);  // in a tick, distances are floats
   const double diameter = 2 * bed.soil.radius_m;
   requireInRange("gravity_m_s2", bed.gravity_m_s2.norm(), BedRanges::gravity_m_s2);
   // With contact friction a particle remembers only the nearer of two walls, so it must never feel both.
   const double narrowest = bed.soil.friction == FrictionModel::kContact
-                               ? makeContactLaw(bed.soil).cutoff_m + 2 * bed.soil.size_spread * bed.soil.radius_m
+                               ? law.cutoff_m + 2 * bed.soil.size_spread * bed.soil.radius_m
                                : diameter;
   requireInRange("width_m", bed.width_m, {narrowest, BedRanges::length_m.highest});
   requireInRange("length_m", bed.length_m, {narrowest, BedRanges::length_m.highest});

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/math/portable_math.h"
@@ -12,14 +11,26 @@
 
 namespace haptolith {
 
+namespace {
+
+/// Range of the hyperbola over a_min, at least: the tick's distances are floats, and their rounding must stay small in
+/// it.
+constexpr double kLeastHyperbola = 1e-5;
+
+double closestDistance(const SoilParameters& soil) {
+  const double compaction = soil.rho0_kg_m3 / soil.rho_max_kg_m3;
+  return 2 * soil.radius_m / std::sqrt(3.0) * std::sqrt(2 * compaction * compaction + 1);
+}
+
+}  // namespace
+
 ContactLaw makeContactLaw(const SoilParameters& soil) {
   validate(soil);
   const double diameter = 2 * soil.radius_m;
-  const double compaction = soil.rho0_kg_m3 / soil.rho_max_kg_m3;
 
   ContactLaw law;
   law.gamma_nm = soil.gamma_nm;
-  law.a_min_m = diameter / std::sqrt(3.0) * std::sqrt(2 * compaction * compaction + 1);
+  law.a_min_m = closestDistance(soil);
   law.h_n = soil.gamma_nm / (diameter - law.a_min_m);
   law.diameter_m = diameter;
   law.cutoff_m = diameter * soil.attraction_ratio;
@@ -44,14 +55,23 @@ ContactLaw makeContactLaw(const SoilParameters& soil) {
     }
     law.stiffness_n_m = soil.stiffness_n_m;
     law.a_thr_m = std::min(law.a_min_m + std::sqrt(soil.gamma_nm / soil.stiffness_n_m), diameter);
+    requireHyperbola(law, 1e-9);
   }
   return law;
 }
 
+void requireHyperbola(const ContactLaw& law, double least) {
+  if (law.a_thr_m - law.a_min_m < least * law.a_min_m) {
+    throw InvalidParameter(
+        "gamma_nm", fmt::format("{:g}", law.gamma_nm),
+        fmt::format(">= {:.5g} for stiffness_n_m = {:g}",
+                    law.stiffness_n_m * portable::square(least * law.a_min_m) * (1 + 1e-3), law.stiffness_n_m));
+  }
+}
+
 double linearGamma(const SoilParameters& soil) {
-  SoilParameters with_gamma_in_reach = soil;
-  with_gamma_in_reach.gamma_nm = std::numeric_limits<double>::min();
-  const double give_m = 2 * soil.radius_m - makeContactLaw(with_gamma_in_reach).a_min_m;
+  validate(soil);
+  const double give_m = 2 * soil.radius_m - closestDistance(soil);
   return soil.stiffness_n_m * give_m * give_m;
 }
 

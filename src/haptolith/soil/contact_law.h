@@ -32,8 +32,13 @@ struct ContactLaw {
 };
 
 /// (paper 8): a_min = 2R/sqrt(3) sqrt(2 (rho0/rho_max)^2 + 1), and what follows from it.
-/// @throws InvalidParameter as validate(SoilParameters).
+/// @throws InvalidParameter as validate(SoilParameters); for a k below the hyperbola at 2R; for a gamma too small
+/// for double precision (requireHyperbola()).
 [[nodiscard]] ContactLaw makeContactLaw(const SoilParameters& soil);
+
+/// Requires a hyperbola of (paper 7) with finite k that is at least `least` times a_min long: rounding of a_min divides
+/// by it. @throws InvalidParameter with the gamma in N m that it takes.
+void requireHyperbola(const ContactLaw& law, double least);
 
 /// gamma in N m with which (paper 7) is a linear spring of stiffness k, whatever the distance: k (2R - a_min)^2. Soil
 /// of such contacts is as dense at any depth, as far as its springs do not give; with less gamma it yields at first and
