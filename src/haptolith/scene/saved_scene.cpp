@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <numbers>
 
 #include "haptolith/core/error.h"
 #include "haptolith/scene/scene.h"
@@ -13,7 +14,7 @@ namespace haptolith {
 
 namespace {
 
-constexpr std::array<char, 8> kMagic{'H', 'A', 'P', 'S', 'C', 'N', '0', '2'};
+constexpr std::array<char, 8> kMagic{'H', 'A', 'P', 'S', 'C', 'N', '0', '3'};
 
 /// A tool's numbers, so that its bytes are its value; what it remembers follows.
 struct Record {
@@ -22,6 +23,7 @@ struct Record {
   double opening = 0, opening_m = 0, fade = 0, grip_n = 0;
   std::array<double, 3> force_n{}, torque_nm{};
   std::array<double, 9> contact_stiffness_n_m{};  ///< column by column
+  std::array<double, 4> joint{};                  ///< JointState, in its order
   std::uint64_t particles = 0, spheres = 0, near_groups = 0;
 };
 
@@ -31,13 +33,15 @@ bool areFinite(const std::array<double, kCount>& numbers) {
 }
 
 Record recordOf(const SavedTool& tool) {
-  Record record{.opening = tool.hand.opening,
-                .opening_m = tool.opening_m,
-                .fade = tool.fade,
-                .grip_n = tool.soil_force.grip_n,
-                .particles = tool.memory.particles.size(),
-                .spheres = tool.memory.spheres.size(),
-                .near_groups = tool.memory.near_groups.size()};
+  Record record{
+      .opening = tool.hand.opening,
+      .opening_m = tool.opening_m,
+      .fade = tool.fade,
+      .grip_n = tool.soil_force.grip_n,
+      .joint = {tool.joint.angle_rad, tool.joint.speed_rad_s, tool.joint.soil_torque_nm, tool.joint.motor_torque_nm},
+      .particles = tool.memory.particles.size(),
+      .spheres = tool.memory.spheres.size(),
+      .near_groups = tool.memory.near_groups.size()};
   const Quat& turn = tool.hand.pose.orientation;
   record.orientation = {turn.w(), turn.x(), turn.y(), turn.z()};
   Vec3::Map(record.position_m.data()) = tool.hand.pose.position_m;
@@ -50,13 +54,15 @@ Record recordOf(const SavedTool& tool) {
 void requireFinite(const SavedTool& tool) {
   const Record r = recordOf(tool);
   const bool finite = areFinite(r.position_m) && areFinite(r.orientation) && areFinite(r.force_n) &&
-                      areFinite(r.torque_nm) && areFinite(r.contact_stiffness_n_m) &&
+                      areFinite(r.torque_nm) && areFinite(r.contact_stiffness_n_m) && areFinite(r.joint) &&
                       areFinite(std::array{r.opening, r.opening_m, r.fade, r.grip_n});
   if (!finite || !isUnit(tool.hand.pose.orientation)) {
     throw InvalidParameter("state", "a tool without a finite pose", "finite numbers, and an orientation of norm 1");
   }
   requireInRange("tool_fade", tool.fade, {0, 1});
   requireInRange("opening", tool.hand.opening, {0, 1});
+  requireInRange("joint_angle_rad", tool.joint.angle_rad, {-std::numbers::pi, std::numbers::pi});
+  requireInRange("joint_speed_rad_s", tool.joint.speed_rad_s, JointRanges::speed_rad_s);
   requireInRange("opening_m", tool.opening_m, {0, ToolRanges::length_m.highest});
 }
 
@@ -86,6 +92,7 @@ SavedTool takeTool(std::string_view& bytes) {
                  .fade = record.fade,
                  .soil_force = {{Vec3::Map(record.force_n.data()), Vec3::Map(record.torque_nm.data())}, record.grip_n},
                  .contact_stiffness_n_m = Eigen::Matrix3d::Map(record.contact_stiffness_n_m.data()),
+                 .joint = {record.joint[0], record.joint[1], record.joint[2], record.joint[3]},
                  .memory = {}};
   tool.hand.pose = {Vec3::Map(record.position_m.data()), Quat(turn[0], turn[1], turn[2], turn[3])};
   tool.hand.opening = record.opening;
@@ -141,6 +148,7 @@ SavedScene Scene::save() const {
                            .fade = tool.fade,
                            .soil_force = tool.soil_force,
                            .contact_stiffness_n_m = tool.stiffness_n_m,
+                           .joint = tool.joint,
                            .memory = tool.memory.save()});
   }
   return saved;
@@ -176,6 +184,7 @@ void Scene::Tool::recall(const SavedTool& saved) noexcept {
   fade = saved.fade;
   soil_force = saved.soil_force;
   stiffness_n_m = saved.contact_stiffness_n_m;
+  joint = saved.joint;
   memory.restore(saved.memory);
 }
 

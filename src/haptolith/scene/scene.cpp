@@ -12,6 +12,7 @@
 #include "haptolith/bed/measure/bed_check.h"
 #include "haptolith/core/assert.h"
 #include "haptolith/core/interpolate.h"
+#include "haptolith/core/math/portable_math.h"
 #include "haptolith/tool/tool_contact.h"
 #include "haptolith/tool/tool_mesh.h"
 #include "haptolith/tool/tool_shape.h"
@@ -32,6 +33,14 @@ ToolParameters faded(ToolParameters tool, double fade) noexcept {
 bool isSomewhere(const Movement& movement) noexcept {
   return movement.pose.position_m.allFinite() && isUnit(movement.pose.orientation) &&
          movement.twist.linear_m_s.allFinite() && movement.twist.angular_rad_s.allFinite();
+}
+
+/// The least moment of inertia that a step bears: dt^2 k r^2 with as many particles at the tool's rim as its
+/// cross-section holds. Symplectic Euler bears a fourth of that.
+double leastInertia(const ToolParameters& tool, const BedParameters& bed, double dt_s) {
+  const double rim_m = enclosingRadius(tool);
+  const double particles = std::max(1.0, portable::square(rim_m / bed.soil.radius_m));
+  return particles * tool.stiffness_n_m * portable::square(dt_s * rim_m);
 }
 
 }  // namespace
@@ -59,7 +68,14 @@ int Scene::substepsOf(const BedParameters& bed, const ToolSet& tools) {
                              fmt::format("one made for this soil, to {:g} m", reach_m));
     }
   }
-  return substepsFor(bed, stiffnessInStep(tools.all(), bed.soil));
+  const int substeps = substepsFor(bed, stiffnessInStep(tools.all(), bed.soil));
+  for (const ToolParameters& tool : tools.all()) {
+    if (tool.joint && tool.joint->drive != Drive::kSpeed) {
+      requireInRange("joint_inertia_kg_m2", tool.joint->inertia_kg_m2,
+                     {leastInertia(tool, bed, bed.tick_s / substeps), JointRanges::inertia_kg_m2.highest});
+    }
+  }
+  return substeps;
 }
 
 Scene::Scene(const BedParameters& bed, const ToolSet& tools, const SettleProgress& progress)
@@ -87,8 +103,9 @@ void Scene::makeTools(const ToolSet& tools) {
 
 void Scene::setTool(const ToolParameters& parameters, std::size_t tool) noexcept {
   Tool& changed = at(tool);
-  changed.memory.forget(bed_.groupsNear(changed.memory.near(), changed.pose.position_m, 0));
+  changed.memory.forget(bed_.groupsNear(changed.memory.near(), changed.turnedPose().position_m, 0));
   changed.parameters = parameters;
+  changed.joint = Tool::atStart(parameters);
   changed.opening_m = changed.opening * parameters.opening_m;
 }
 
@@ -110,7 +127,9 @@ void Scene::placeTool(const HandState& hand, std::size_t tool) noexcept {
 bool Scene::moveGrain(const GrainMove& move) noexcept {
   const auto is_clear_of = [&](const Tool& tool) {
     const double clear_m = enclosingRadius(tool.parameters) + 4 * bed_.parameters().soil.radius_m;
-    const auto is_clear = [&](const Vec3& place_m) { return (place_m - tool.pose.position_m).norm() > clear_m; };
+    const auto is_clear = [&](const Vec3& place_m) {
+      return (place_m - tool.turnedPose().position_m).norm() > clear_m;
+    };
     return is_clear(move.from_m) && is_clear(move.to_m);
   };
   return std::ranges::all_of(tools_, is_clear_of) && bed_.moveGrain(move);
@@ -136,13 +155,45 @@ void Scene::Tool::startTick(double tick_s) noexcept {
   present = fade < 1 ? faded(parameters, fade) : parameters;
   opening_m_s = (opening * parameters.opening_m - opening_m) / tick_s;
   sum = {};
+  soil_torque_sum_nm = motor_torque_sum_nm = 0;
+  if (parameters.joint && parameters.joint->drive == Drive::kSpeed) {
+    joint.speed_rad_s = parameters.joint->speed_rad_s;
+  }
+}
+
+Pose Scene::Tool::turnedPose() const noexcept {
+  return parameters.joint ? turned(pose, *parameters.joint, joint.angle_rad) : pose;
+}
+
+void Scene::setDrive(double value, std::size_t tool) noexcept {
+  std::optional<Joint>& joint = at(tool).parameters.joint;
+  if (!joint || std::isnan(value) || joint->drive == Drive::kFree) {
+    return;
+  }
+  const bool speed = joint->drive == Drive::kSpeed;
+  const Range& range = speed ? JointRanges::speed_rad_s : JointRanges::torque_nm;
+  (speed ? joint->speed_rad_s : joint->torque_nm) = std::clamp(value, range.lowest, range.highest);
 }
 
 /// A tool's part of a substep that ends when `share` of the tick is over.
 void Scene::meetSoil(Tool& tool, const HandState& hand, double share, double dt_s) noexcept {
-  const Pose pose = interpolate(tool.pose, hand.pose, share);
+  const Pose hub = interpolate(tool.pose, hand.pose, share);
   tool.present.opening_m = std::lerp(tool.opening_m, tool.opening * tool.parameters.opening_m, share);
-  const ToolReaction now = applyToolContact(tool.present, pose, hand.twist, dt_s, bed_, tool.memory, tool.opening_m_s);
+  const auto contact = [&](const Pose& pose, const Twist& twist) {
+    return applyToolContact(tool.present, pose, twist, dt_s, bed_, tool.memory, tool.opening_m_s);
+  };
+  ToolReaction now;
+  if (const std::optional<Joint>& joint = tool.parameters.joint) {
+    turn(tool.joint, dt_s);
+    const Pose pose = turned(hub, *joint, tool.joint.angle_rad);
+    now = contact(pose, turning(hub, hand.twist, *joint, tool.joint.speed_rad_s, pose));
+    const double soil_torque_nm = torqueAboutAxis(hub, *joint, pose, now.wrench);
+    tool.soil_torque_sum_nm += soil_torque_nm;
+    tool.motor_torque_sum_nm += drive(*joint, tool.joint, soil_torque_nm, dt_s);
+    now.wrench.torque_nm += (pose.position_m - hub.position_m).cross(now.wrench.force_n);
+  } else {
+    now = contact(hub, hand.twist);
+  }
   tool.sum.wrench.force_n += now.wrench.force_n;
   tool.sum.wrench.torque_nm += now.wrench.torque_nm;
   tool.sum.grip_n += now.grip_n;
@@ -156,6 +207,7 @@ StepStatus Scene::tickAll(std::span<const HandState> hands) noexcept {
     for (Tool& tool : tools_) {
       tool.soil_force = {};
       tool.stiffness_n_m.setZero();
+      tool.joint.soil_torque_nm = tool.joint.motor_torque_nm = 0;
     }
     return StepStatus::kNotFinite;
   }
@@ -185,6 +237,8 @@ StepStatus Scene::tickAll(std::span<const HandState> hands) noexcept {
     tool.opening_m = tool.opening * tool.parameters.opening_m;
     tool.soil_force = {{tool.sum.wrench.force_n / substeps_, tool.sum.wrench.torque_nm / substeps_},
                        tool.sum.grip_n / substeps_};
+    tool.joint.soil_torque_nm = tool.soil_torque_sum_nm / substeps_;
+    tool.joint.motor_torque_nm = tool.motor_torque_sum_nm / substeps_;
   }
   return status;
 }

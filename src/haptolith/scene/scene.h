@@ -24,6 +24,7 @@ struct SavedTool {
   double fade = 1;
   ToolForce soil_force;  ///< soil wrench of the last tick, scene frame
   Eigen::Matrix3d contact_stiffness_n_m = Eigen::Matrix3d::Zero();
+  JointState joint;
   SavedToolMemory memory;
 };
 
@@ -87,10 +88,18 @@ class Scene {
 
   [[nodiscard]] std::size_t tools() const noexcept { return tools_.size(); }
 
-  /// Soil wrench: of the soil on a tool, mean over the last tick, about the tool's origin, scene frame, unfiltered.
+  /// Soil wrench: of the soil on a tool, mean over the last tick, about the tool's origin (its hub's if it has a
+  /// joint), scene frame, unfiltered.
   [[nodiscard]] const Wrench& soilWrench(std::size_t tool = 0) const noexcept { return at(tool).soil_force.wrench; }
   /// The soil wrench and the force that pushed jaws apart (see ToolReaction), 0 with another tool.
   [[nodiscard]] const ToolForce& soilForce(std::size_t tool = 0) const noexcept { return at(tool).soil_force; }
+
+  /// Angle, speed and torques of a tool's joint; zero without one.
+  [[nodiscard]] const JointState& joint(std::size_t tool = 0) const noexcept { return at(tool).joint; }
+  /// Sets what a joint's drive holds: its speed in rad/s, or its torque in N m. A value out of JointRanges counts as
+  /// the nearer end. Nothing changes for NaN, nor for a tool without a joint or with a free one. May be called in the
+  /// tick.
+  void setDrive(double value, std::size_t tool = 0) noexcept;
 
   /// Derivative of the force by the tool's position at the end of the last tick: see ToolReaction.
   [[nodiscard]] const Eigen::Matrix3d& contactStiffness(std::size_t tool = 0) const noexcept {
@@ -133,6 +142,9 @@ class Scene {
   [[nodiscard]] const Bed& bed() const noexcept { return bed_; }
   [[nodiscard]] const ToolParameters& tool(std::size_t tool = 0) const noexcept { return at(tool).parameters; }
   [[nodiscard]] const Pose& toolPose(std::size_t tool = 0) const noexcept { return at(tool).pose; }  ///< scene_T_tool
+  /// Pose of the tool as its joint has turned it, where its shape is: toolPose() without a joint. May be called in the
+  /// tick.
+  [[nodiscard]] Pose turnedToolPose(std::size_t tool = 0) const noexcept { return at(tool).turnedPose(); }
   [[nodiscard]] const ToolMemory& toolMemory(std::size_t tool = 0) const noexcept { return at(tool).memory; }
   [[nodiscard]] int substeps() const noexcept { return substeps_; }
   /// As Bed::hash(), with what the tools remember of their contacts. May be called in the tick.
@@ -142,10 +154,15 @@ class Scene {
 
  private:
   struct Tool {
-    Tool(const ToolParameters& tool, const Bed& bed) : parameters(tool), opening_m(tool.opening_m), memory(bed) {}
+    Tool(const ToolParameters& tool, const Bed& bed)
+        : parameters(tool), opening_m(tool.opening_m), joint(atStart(tool)), memory(bed) {}
 
     void open(double share) noexcept;
     void startTick(double tick_s) noexcept;
+    [[nodiscard]] Pose turnedPose() const noexcept;
+    [[nodiscard]] static JointState atStart(const ToolParameters& tool) noexcept {
+      return {.speed_rad_s = tool.joint ? tool.joint->speed_rad_s : 0};
+    }
     void recall(const SavedTool& saved) noexcept;
 
     ToolParameters parameters;
@@ -155,12 +172,14 @@ class Scene {
     double fade = 1;
     ToolForce soil_force;
     Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
+    JointState joint;
     ToolMemory memory;
 
     // State within a tick.
     ToolParameters present;  ///< faded and opened as now
     double opening_m_s = 0;
-    ToolForce sum;  ///< sum over the substeps so far
+    ToolForce sum;                                           ///< sum over the substeps so far
+    double soil_torque_sum_nm = 0, motor_torque_sum_nm = 0;  ///< about the joint's axis, likewise
   };
   [[nodiscard]] static int substepsOf(const BedParameters& bed, const ToolSet& tools);
   void makeTools(const ToolSet& tools);

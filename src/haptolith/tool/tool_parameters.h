@@ -3,9 +3,11 @@
 #include <array>
 #include <memory>
 #include <numbers>
+#include <optional>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
+#include "haptolith/tool/joint.h"
 
 namespace haptolith {
 
@@ -56,6 +58,8 @@ struct ToolParameters {
 
   double mass_kg = 0;                    ///< that the hand feels; 0: none
   Vec3 centre_of_mass_m = Vec3::Zero();  ///< in the tool's frame
+
+  std::optional<Joint> joint{};  ///< none: the hand holds the tool itself
 
   [[nodiscard]] bool operator==(const ToolParameters&) const = default;
 };
