@@ -179,7 +179,7 @@ class Scene {
     ToolParameters present;  ///< faded and opened as now
     double opening_m_s = 0;
     ToolForce sum;                                           ///< sum over the substeps so far
-    double soil_torque_sum_nm = 0, motor_torque_sum_nm = 0;  ///< about the joint's axis, likewise
+    double soil_torque_sum_nm = 0, motor_torque_sum_nm = 0;  ///< about the axis
   };
   [[nodiscard]] static int substepsOf(const BedParameters& bed, const ToolSet& tools);
   void makeTools(const ToolSet& tools);
