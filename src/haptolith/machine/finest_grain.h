@@ -14,8 +14,8 @@ namespace haptolith {
 
 /// Limit of the 99th percentile of ticks in a trial, in us of a thousand. The rest is for a browser that shares caches
 /// and cores, for long stirring, and for a host that takes the processor away: on two virtual cores of a shared Zen 3,
-/// soil that a trial put at 549 us was too slow by itself in 0.05 to 0.7 % of ticks, the next coarser in 0.02 to 0.05
-/// %.
+/// with soil that a trial put at 549 us, 0.05 to 0.7 % of ticks took too long uninterrupted; with the next coarser,
+/// 0.02 to 0.05 %.
 inline constexpr double kFinestTick_us = 520;
 
 /// Measured cost of particles of one size.

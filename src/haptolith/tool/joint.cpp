@@ -47,7 +47,6 @@ double torqueAboutAxis(const Pose& scene_T_hub, const Joint& joint, const Pose& 
 }
 
 void turn(JointState& state, double dt_s) noexcept {
-  // Within half a turn of 0, where sine and cosine are exact to the last bit; a substep is less than that.
   constexpr double kTurn = 2 * std::numbers::pi;
   state.angle_rad += state.speed_rad_s * dt_s;
   if (std::abs(state.angle_rad) > std::numbers::pi) {

@@ -5,7 +5,7 @@
 
 namespace haptolith {
 
-/// What turns a joint.
+/// Source of a joint's motion.
 enum class Drive {
   kSpeed,   ///< a motor that holds a speed, whatever torque that takes
   kTorque,  ///< a motor that gives a torque
@@ -17,9 +17,9 @@ struct Joint {
   Vec3 axis = Vec3::UnitZ();    ///< unit vector, tool's frame
   Vec3 point_m = Vec3::Zero();  ///< on the axis, tool's frame
   Drive drive = Drive::kSpeed;
-  double speed_rad_s = 0;    ///< of the tool relative to its hub, right-handed about the axis: kSpeed's; else at first
-  double torque_nm = 0;      ///< kTorque: of the motor on the tool
-  double inertia_kg_m2 = 0;  ///< kTorque and kFree: moment of inertia of the tool about the axis
+  double speed_rad_s = 0;    ///< speed relative to the hub, right-handed about the axis: held by kSpeed, else the first
+  double torque_nm = 0;      ///< motor torque on the tool; kTorque
+  double inertia_kg_m2 = 0;  ///< moment of inertia of the tool about the axis; kTorque, kFree
 
   [[nodiscard]] bool operator==(const Joint&) const = default;
 };
