@@ -117,9 +117,9 @@ TEST_P(JointInSoil, TheMotorsTorqueIsTheSoilsAndTheInertias) {
 TEST_P(JointInSoil, ATurningToolFeelsWhatAHandFeelsThatTurnsIt) {
   constexpr double kSpeed_rad_s = 5;
   const BedParameters soil = bed();
-  const ToolParameters held = wheel({.speed_rad_s = kSpeed_rad_s});
+  const ToolParameters held = wheel({.drive = Drive::kSpeed, .speed_rad_s = kSpeed_rad_s});
   ToolParameters alone = held;
-  alone.joint.reset();
+  alone.joint = {};
   Scene by_joint(soil, held);
   Scene by_hand(soil, alone);
   const double surface_m = by_joint.bed().surfaceHeight();
@@ -152,7 +152,7 @@ TEST_P(JointInSoil, ATurningToolFeelsWhatAHandFeelsThatTurnsIt) {
 
 TEST_P(JointInSoil, TheSoilsWorkIsThatOfHubAndJoint) {
   // About an axis beside the tool's origin, in soil that floats: what the tool does goes into the soil's momentum.
-  const Joint joint{.point_m = {0.02, 0.01, 0}, .speed_rad_s = 8};
+  const Joint joint{.point_m = {0.02, 0.01, 0}, .drive = Drive::kSpeed, .speed_rad_s = 8};
   const Pose hub{Vec3(0.1, -0.2, 0.3), turnAboutXyz(Vec3(0.3, -0.4, 0.5))};
   const Twist hub_twist{Vec3(0.1, 0.2, -0.1), Vec3(0.5, -1, 0.7)};
   const Pose tool = turned(hub, joint, 1.2);
@@ -178,7 +178,7 @@ TEST_P(JointInSoil, TheSoilsWorkIsThatOfHubAndJoint) {
 TEST_P(JointInSoil, ASpinningWheelPullsAndALockedOneDrags) {
   const BedParameters soil = bed();
   const auto pullAt = [&](double rim_m_s) {
-    Scene scene(soil, wheel({.speed_rad_s = rim_m_s / 0.03}));
+    Scene scene(soil, wheel({.drive = Drive::kSpeed, .speed_rad_s = rim_m_s / 0.03}));
     const double surface_m = scene.bed().surfaceHeight();
     scene.placeTool(driving(scene, surface_m, 0.05, 0));
     double sum_n = 0;
@@ -217,8 +217,8 @@ TEST_P(JointInSoil, GoesOnFromASavedSceneBitForBit) {
 }
 
 TEST(Joint, DrivesAreSetWithinTheirRange) {
-  Scene scene(BedParameters{}, ToolSet({wheel({.speed_rad_s = 1}), wheel({.drive = Drive::kFree, .inertia_kg_m2 = 1}),
-                                        ToolParameters{}}));
+  Scene scene(BedParameters{}, ToolSet({wheel({.drive = Drive::kSpeed, .speed_rad_s = 1}),
+                                        wheel({.drive = Drive::kFree, .inertia_kg_m2 = 1}), ToolParameters{}}));
   const std::array hands{hubAt({0, 0, 0.5}), hubAt({0, 0, 0.5}), hubAt({0, 0, 0.5})};
   const auto speedAfter = [&](double value) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -231,7 +231,7 @@ TEST(Joint, DrivesAreSetWithinTheirRange) {
   EXPECT_EQ(speedAfter(std::numeric_limits<double>::quiet_NaN()), 2);
   EXPECT_EQ(speedAfter(1e9), JointRanges::speed_rad_s.highest);
   EXPECT_EQ(scene.joint(1).speed_rad_s, 0);
-  EXPECT_FALSE(scene.tool(2).joint.has_value());
+  EXPECT_FALSE(scene.tool(2).joint.any());
 }
 
 TEST(Joint, NonsenseIsRefusedByName) {
@@ -255,7 +255,7 @@ TEST(Joint, NonsenseIsRefusedByName) {
 }
 
 TEST(SavedScene, RefusesAJointThatIsNowhere) {
-  Scene scene(BedParameters{}, wheel({.speed_rad_s = 1}));
+  Scene scene(BedParameters{}, wheel({.drive = Drive::kSpeed, .speed_rad_s = 1}));
   const auto expectRefused = [&](const std::function<void(JointState&)>& spoil) {
     SavedScene saved = scene.save();
     spoil(saved.tools[0].joint);

@@ -70,8 +70,8 @@ int Scene::substepsOf(const BedParameters& bed, const ToolSet& tools) {
   }
   const int substeps = substepsFor(bed, stiffnessInStep(tools.all(), bed.soil));
   for (const ToolParameters& tool : tools.all()) {
-    if (tool.joint && tool.joint->drive != Drive::kSpeed) {
-      requireInRange("joint_inertia_kg_m2", tool.joint->inertia_kg_m2,
+    if (tool.joint.drive == Drive::kTorque || tool.joint.drive == Drive::kFree) {
+      requireInRange("joint_inertia_kg_m2", tool.joint.inertia_kg_m2,
                      {leastInertia(tool, bed, bed.tick_s / substeps), JointRanges::inertia_kg_m2.highest});
     }
   }
@@ -156,23 +156,25 @@ void Scene::Tool::startTick(double tick_s) noexcept {
   opening_m_s = (opening * parameters.opening_m - opening_m) / tick_s;
   sum = {};
   soil_torque_sum_nm = motor_torque_sum_nm = 0;
-  if (parameters.joint && parameters.joint->drive == Drive::kSpeed) {
-    joint.speed_rad_s = parameters.joint->speed_rad_s;
+  if (parameters.joint.drive == Drive::kSpeed) {
+    joint.speed_rad_s = parameters.joint.speed_rad_s;
   }
 }
 
 Pose Scene::Tool::turnedPose() const noexcept {
-  return parameters.joint ? turned(pose, *parameters.joint, joint.angle_rad) : pose;
+  return parameters.joint.any() ? turned(pose, parameters.joint, joint.angle_rad) : pose;
 }
 
 void Scene::setDrive(double value, std::size_t tool) noexcept {
-  std::optional<Joint>& joint = at(tool).parameters.joint;
-  if (!joint || std::isnan(value) || joint->drive == Drive::kFree) {
+  Joint& joint = at(tool).parameters.joint;
+  if (std::isnan(value)) {
     return;
   }
-  const bool speed = joint->drive == Drive::kSpeed;
-  const Range& range = speed ? JointRanges::speed_rad_s : JointRanges::torque_nm;
-  (speed ? joint->speed_rad_s : joint->torque_nm) = std::clamp(value, range.lowest, range.highest);
+  if (joint.drive == Drive::kSpeed) {
+    joint.speed_rad_s = std::clamp(value, JointRanges::speed_rad_s.lowest, JointRanges::speed_rad_s.highest);
+  } else if (joint.drive == Drive::kTorque) {
+    joint.torque_nm = std::clamp(value, JointRanges::torque_nm.lowest, JointRanges::torque_nm.highest);
+  }
 }
 
 /// A tool's part of a substep that ends when `share` of the tick is over.
@@ -183,13 +185,13 @@ void Scene::meetSoil(Tool& tool, const HandState& hand, double share, double dt_
     return applyToolContact(tool.present, pose, twist, dt_s, bed_, tool.memory, tool.opening_m_s);
   };
   ToolReaction now;
-  if (const std::optional<Joint>& joint = tool.parameters.joint) {
+  if (const Joint& joint = tool.parameters.joint; joint.any()) {
     turn(tool.joint, dt_s);
-    const Pose pose = turned(hub, *joint, tool.joint.angle_rad);
-    now = contact(pose, turning(hub, hand.twist, *joint, tool.joint.speed_rad_s, pose));
-    const double soil_torque_nm = torqueAboutAxis(hub, *joint, pose, now.wrench);
+    const Pose pose = turned(hub, joint, tool.joint.angle_rad);
+    now = contact(pose, turning(hub, hand.twist, joint, tool.joint.speed_rad_s, pose));
+    const double soil_torque_nm = torqueAboutAxis(hub, joint, pose, now.wrench);
     tool.soil_torque_sum_nm += soil_torque_nm;
-    tool.motor_torque_sum_nm += drive(*joint, tool.joint, soil_torque_nm, dt_s);
+    tool.motor_torque_sum_nm += drive(joint, tool.joint, soil_torque_nm, dt_s);
     now.wrench.torque_nm += (pose.position_m - hub.position_m).cross(now.wrench.force_n);
   } else {
     now = contact(hub, hand.twist);

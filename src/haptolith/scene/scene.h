@@ -161,7 +161,7 @@ class Scene {
     void startTick(double tick_s) noexcept;
     [[nodiscard]] Pose turnedPose() const noexcept;
     [[nodiscard]] static JointState atStart(const ToolParameters& tool) noexcept {
-      return {.speed_rad_s = tool.joint ? tool.joint->speed_rad_s : 0};
+      return {.speed_rad_s = tool.joint.any() ? tool.joint.speed_rad_s : 0};
     }
     void recall(const SavedTool& saved) noexcept;
 

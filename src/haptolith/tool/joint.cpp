@@ -22,7 +22,7 @@ void validate(const Joint& joint) {
   }
   requireInRange("joint_speed_rad_s", joint.speed_rad_s, JointRanges::speed_rad_s);
   requireInRange("joint_torque_nm", joint.torque_nm, JointRanges::torque_nm);
-  if (joint.drive != Drive::kSpeed) {
+  if (joint.drive == Drive::kTorque || joint.drive == Drive::kFree) {
     requireInRange("joint_inertia_kg_m2", joint.inertia_kg_m2, JointRanges::inertia_kg_m2);
   }
 }

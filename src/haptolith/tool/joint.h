@@ -7,6 +7,7 @@ namespace haptolith {
 
 /// Source of a joint's motion.
 enum class Drive {
+  kNone,    ///< there is no joint: the hand holds the tool itself
   kSpeed,   ///< a motor that holds a speed, whatever torque that takes
   kTorque,  ///< a motor that gives a torque
   kFree,    ///< the soil alone
@@ -16,11 +17,12 @@ enum class Drive {
 struct Joint {
   Vec3 axis = Vec3::UnitZ();    ///< unit vector, tool's frame
   Vec3 point_m = Vec3::Zero();  ///< on the axis, tool's frame
-  Drive drive = Drive::kSpeed;
+  Drive drive = Drive::kNone;
   double speed_rad_s = 0;    ///< speed relative to the hub, right-handed about the axis: held by kSpeed, else the first
   double torque_nm = 0;      ///< motor torque on the tool; kTorque
   double inertia_kg_m2 = 0;  ///< moment of inertia of the tool about the axis; kTorque, kFree
 
+  [[nodiscard]] bool any() const noexcept { return drive != Drive::kNone; }
   [[nodiscard]] bool operator==(const Joint&) const = default;
 };
 

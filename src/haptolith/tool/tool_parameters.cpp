@@ -26,9 +26,7 @@ void validate(const ToolParameters& tool) {
   for (int axis = 0; axis < 3; ++axis) {
     requireInRange("centre_of_mass_m", tool.centre_of_mass_m[axis], ToolRanges::centre_of_mass_m);
   }
-  if (tool.joint) {
-    validate(*tool.joint);
-  }
+  validate(tool.joint);
 }
 
 Wrench weightOf(const ToolParameters& tool, const Quat& orientation, const Vec3& gravity_m_s2) noexcept {

@@ -3,7 +3,6 @@
 #include <array>
 #include <memory>
 #include <numbers>
-#include <optional>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/vec.h"
@@ -59,7 +58,7 @@ struct ToolParameters {
   double mass_kg = 0;                    ///< that the hand feels; 0: none
   Vec3 centre_of_mass_m = Vec3::Zero();  ///< in the tool's frame
 
-  std::optional<Joint> joint{};  ///< none: the hand holds the tool itself
+  Joint joint{};  ///< between hand and tool
 
   [[nodiscard]] bool operator==(const ToolParameters&) const = default;
 };
