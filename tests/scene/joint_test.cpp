@@ -151,7 +151,7 @@ TEST_P(JointInSoil, ATurningToolFeelsWhatAHandFeelsThatTurnsIt) {
 }
 
 TEST_P(JointInSoil, TheSoilsWorkIsThatOfHubAndJoint) {
-  // About an axis beside the tool's origin, in soil that floats: what the tool does goes into the soil's momentum.
+  // About an axis that does not pass through the tool's origin.
   const Joint joint{.point_m = {0.02, 0.01, 0}, .drive = Drive::kSpeed, .speed_rad_s = 8};
   const Pose hub{Vec3(0.1, -0.2, 0.3), turnAboutXyz(Vec3(0.3, -0.4, 0.5))};
   const Twist hub_twist{Vec3(0.1, 0.2, -0.1), Vec3(0.5, -1, 0.7)};
