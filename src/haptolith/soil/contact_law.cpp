@@ -13,10 +13,6 @@ namespace haptolith {
 
 namespace {
 
-/// Range of the hyperbola over a_min, at least: the tick's distances are floats, and their rounding must stay small in
-/// it.
-constexpr double kLeastHyperbola = 1e-5;
-
 double closestDistance(const SoilParameters& soil) {
   const double compaction = soil.rho0_kg_m3 / soil.rho_max_kg_m3;
   return 2 * soil.radius_m / std::sqrt(3.0) * std::sqrt(2 * compaction * compaction + 1);
