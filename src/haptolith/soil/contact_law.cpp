@@ -13,7 +13,8 @@ namespace haptolith {
 
 namespace {
 
-double closestDistance(const SoilParameters& soil) {
+/// a_min of (paper 8), in m.
+double leastDistance(const SoilParameters& soil) {
   const double compaction = soil.rho0_kg_m3 / soil.rho_max_kg_m3;
   return 2 * soil.radius_m / std::sqrt(3.0) * std::sqrt(2 * compaction * compaction + 1);
 }
@@ -26,7 +27,7 @@ ContactLaw makeContactLaw(const SoilParameters& soil) {
 
   ContactLaw law;
   law.gamma_nm = soil.gamma_nm;
-  law.a_min_m = closestDistance(soil);
+  law.a_min_m = leastDistance(soil);
   law.h_n = soil.gamma_nm / (diameter - law.a_min_m);
   law.diameter_m = diameter;
   law.cutoff_m = diameter * soil.attraction_ratio;
@@ -67,7 +68,7 @@ void requireHyperbola(const ContactLaw& law, double least) {
 
 double linearGamma(const SoilParameters& soil) {
   validate(soil);
-  const double give_m = 2 * soil.radius_m - closestDistance(soil);
+  const double give_m = 2 * soil.radius_m - leastDistance(soil);
   return soil.stiffness_n_m * give_m * give_m;
 }
 
