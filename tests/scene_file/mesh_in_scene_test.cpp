@@ -75,7 +75,7 @@ TEST_F(MeshInAScene, RefusesWhatIsNoToolAndSaysWhere) {
   }
   EXPECT_THAT(errorOf("shape = 'mesh'\n"), HasSubstr("needs [tool] mesh"));
   EXPECT_THAT(errorOf("shape = 'box'\nmesh = 'wedge.obj'\n"), HasSubstr("cannot both be given"));
-  EXPECT_THAT(errorOf("name = 'scoop'\nmesh = 'wedge.obj'\n"), HasSubstr("cannot both be given"));
+  EXPECT_THAT(errorOf("model = 'scoop'\nmesh = 'wedge.obj'\n"), HasSubstr("cannot both be given"));
   EXPECT_THAT(errorOf("name = 'spoon'\n"), HasSubstr("did you mean scoop?"));
   EXPECT_THAT(errorOf("mesh_data = 'obj-'\n"), HasSubstr("stl, obj or gltf, a colon, and base64"));
   EXPECT_THAT(errorOf("mesh_data = 'ply:Zm9v'\n"), HasSubstr("mesh_data"));
@@ -101,14 +101,15 @@ TEST_F(MeshInAScene, TravelsWithItsText) {
 TEST_F(MeshInAScene, GivesWayToAShapeThatIsAskedForAndComesBack) {
   const SceneFile ball = sceneOf("mesh = 'wedge.obj'\n", {"tool.shape=sphere"});
   EXPECT_EQ(ball.tool.shape, ToolShape::kSphere);
-  EXPECT_EQ(sceneOf("shape = 'box'\n", {"tool.name=rake"}).mesh.name, "rake");
-  EXPECT_EQ(sceneOf("mesh_turn_deg = [90, 0, 0]\nmesh = 'wedge.obj'\n", {"tool.name=rake"}).mesh.turn_rad, Vec3::Zero())
+  EXPECT_EQ(sceneOf("shape = 'box'\n", {"tool.model=rake"}).mesh.name, "rake");
+  EXPECT_EQ(sceneOf("mesh_turn_deg = [90, 0, 0]\nmesh = 'wedge.obj'\n", {"tool.model=rake"}).mesh.turn_rad,
+            Vec3::Zero())
       << "that was how the other one is held";
   EXPECT_EQ(sceneOf("mesh = 'wedge.obj'\n", {"tool.shape=mesh"}).mesh.name, "wedge.obj");
   const std::string mesh = "tool.mesh=" + (folder_ / "wedge.obj").string();
   EXPECT_EQ(sceneOf("shape = 'box'\n", {mesh}).mesh.name, "wedge.obj");
 
-  const SceneFile rake = sceneOf("name = 'rake'\n");
+  const SceneFile rake = sceneOf("model = 'rake'\n");
   const SceneFile shown = changed(rake, std::vector<std::string>{"tool.shape=sphere"});
   EXPECT_EQ(shown.tool.shape, ToolShape::kSphere);
   EXPECT_EQ(changed(shown, std::vector<std::string>{"tool.shape=mesh"}).tool.mesh, rake.tool.mesh);
@@ -128,12 +129,12 @@ TEST_F(MeshInAScene, MayBePutTogetherOfParts) {
   EXPECT_TRUE(scene.tool.mesh->report.empty());
   EXPECT_TRUE(loadSceneFileText(sceneFileText(scene), "the recorded scene") == scene);
   EXPECT_EQ(sceneOf(kScraper, {"tool.shape=sphere"}).tool.shape, ToolShape::kSphere);
-  EXPECT_EQ(sceneOf(kScraper, {"tool.name=rake"}).mesh.name, "rake");
+  EXPECT_EQ(sceneOf(kScraper, {"tool.model=rake"}).mesh.name, "rake");
   EXPECT_EQ(sceneOf(kScraper, {"tool.shape=mesh"}).mesh.bytes->size(), scene.mesh.bytes->size());
 }
 
 TEST_F(MeshInAScene, OfPartsRefusesWhatDoesNotFit) {
-  EXPECT_THAT(errorOf(std::string("name = 'rake'\n") + kScraper), HasSubstr("put together of [[tool_part]]"));
+  EXPECT_THAT(errorOf(std::string("model = 'rake'\n") + kScraper), HasSubstr("put together of [[tool_part]]"));
   EXPECT_THAT(errorOf(std::string("shape = 'box'\n") + kScraper), HasSubstr("put together of [[tool_part]]"));
   EXPECT_THAT(errorOf(std::string("mesh_unit_mm = 2\n") + kScraper), HasSubstr("put together of [[tool_part]]"));
   EXPECT_THAT(errorOf("\n[[tool_part]]\nshape = 'sphere'\nsize_mm = [1, 2, 3]\n"), HasSubstr("a sphere has none"));
@@ -188,7 +189,7 @@ TEST(BuiltInTools, NeedNoMendingAndFitIntoAHand) {
 
 TEST(DrawnTools, TheScoopCarriesALoadThatWeighsWhatItWeighs) {
   const SceneFile scene_file = sceneFileFromText(
-      "[tool]\nname = 'scoop'\n[soil]\nname = 'lunar-0-15cm'\nradius_mm = 4\n[bed]\nwidth_mm = 400\n", "x.toml");
+      "[tool]\nmodel = 'scoop'\n[soil]\nname = 'lunar-0-15cm'\nradius_mm = 4\n[bed]\nwidth_mm = 400\n", "x.toml");
   constexpr double kHeight_m = 0.1;
   std::vector<Vec3> grains{{-0.19, -0.05, 0.004}};  // in a corner of the box: the soil's surface
   for (int x = 0; x < 5; ++x) {

@@ -68,7 +68,7 @@ TEST(Overrides, ReplaceATitleThatMayNameWhatTheyChange) {
   EXPECT_EQ(titled({"gravity.body=Moon"}), "P4 soil, Moon, R = 7 mm, shovel, carry");
   EXPECT_EQ(titled({"gravity.magnitude_m_s2=3", "soil.name=dry-sand"}),
             "dry-sand soil, 3 m/s2, R = 7 mm, shovel, carry");
-  EXPECT_EQ(titled({"tool.name=scoop"}), "P4 soil, Europa, R = 7 mm, scoop, carry");
+  EXPECT_EQ(titled({"tool.model=scoop"}), "P4 soil, Europa, R = 7 mm, scoop, carry");
   EXPECT_EQ(titled({"tool.shape=plate", "hand.motion=still"}), "P4 soil, Europa, R = 7 mm, plate");
   EXPECT_EQ(titled({"soil.preset=P1", "title=mine"}), "mine");
   SceneFile scene = findSceneFile("europa", Texts{"soil.preset=P1"});

@@ -111,6 +111,7 @@ SceneFile sceneFor(const SceneFileKey& key) {
   scene.bed.start = key.name == "depth_mm" ? BedStart::kPacked
                     : key.name == "seed"   ? BedStart::kRain
                                            : BedStart::kCount;
+  scene.tool.joint.drive = key.name == "joint_inertia_kg_m2" ? Drive::kFree : Drive::kNone;
   return scene;
 }
 
@@ -184,8 +185,8 @@ TEST(SceneFileKeys, AcceptWhatTheParametersAcceptAtBothEnds) {
   constexpr std::array<std::string_view, 5> kNarrower{"width_mm", "length_mm", "depth_mm", "rho_max_kg_m3", "mass_kg"};
   for (const SceneFileKey& key : sceneFileKeys()) {
     const std::optional<Range> range = rangeOf(key);
-    // A direction has no magnitude, and of the finest grains only halves of the soil's are taken.
-    if (!range || key.name == "direction" || key.name == "fine_radius_mm") {
+    // Directions have no magnitude, and of the finest grains only halves of the soil's are taken.
+    if (!range || key.name == "direction" || key.name == "joint_axis" || key.name == "fine_radius_mm") {
       continue;
     }
     SCOPED_TRACE(fmt::format("[{}] {}: {}", key.table, key.name, range->text()));

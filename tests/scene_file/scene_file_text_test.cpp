@@ -113,7 +113,7 @@ TEST(SceneFileText, KeepsWhatNumbersWereCalledAndWhatHasNoName) {
 // --- every key -------------------------------------------------------------------------------------------------------
 
 bool onlyChooses(const SceneFileKey& key) {
-  if ((key.table == "tool" && (key.name == "mesh" || key.name == "name")) || key.name == "grains") {
+  if ((key.table == "tool" && (key.name == "mesh" || key.name == "model")) || key.name == "grains") {
     return true;
   }
   constexpr std::array<std::string_view, 6> kChoices{"preset", "name", "file", "direction", "body", "magnitude_m_s2"};

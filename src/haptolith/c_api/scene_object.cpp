@@ -89,7 +89,7 @@ struct SceneObject::Saved {
 SceneObject::SceneObject(const SceneFile& scene_file, const SettleProgress& progress)
     : scene_file_(scene_file),
       made_of_(scene_file.bed.soil),
-      scene_(std::make_unique<Scene>(scene_file.bed, scene_file.tool, progress)) {
+      scene_(std::make_unique<Scene>(scene_file.bed, toolSet(scene_file), progress)) {
   HandState hand;
   hand.pose.position_m = scene_file.handling.mapping.offset_m + Vec3(0, 0, scene_->bed().surfaceHeight());
   scene_->placeTool(hand);
@@ -105,7 +105,8 @@ SceneObject::SceneObject(std::string_view saved) : SceneObject(parsed(saved)) {}
 SceneObject::SceneObject(const Saved& saved)
     : scene_file_(saved.scene_file),
       made_of_(saved.made_of),
-      scene_(std::make_unique<Scene>(madeOf(saved.scene_file, saved.made_of).bed, saved.scene_file.tool, saved.scene)) {
+      scene_(std::make_unique<Scene>(madeOf(saved.scene_file, saved.made_of).bed, toolSet(saved.scene_file),
+                                     saved.scene)) {
   goOn(saved);
 }
 
@@ -182,7 +183,7 @@ void SceneObject::restore(std::string_view bytes) {
   const SceneFile& now = saved.scene_file;
   const bool same_bed =
       withChangesOf(now, scene_file_) == scene_file_ && saved.made_of == made_of_ &&
-      substepsFor(madeOf(now, made_of_).bed, stiffnessInStep(now.tool, made_of_.friction)) == scene_->substeps();
+      substepsFor(madeOf(now, made_of_).bed, stiffnessInStep(toolSet(now).all(), made_of_)) == scene_->substeps();
   if (!same_bed) {
     throw InvalidParameter(
         "state", fmt::format("the state of scene '{}'", now.title),
@@ -260,7 +261,7 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
     throw InvalidParameter("bed.threads", fmt::format("{}", wanted.bed.threads),
                            fmt::format("{} during the lifetime of the scene", scene_file_.bed.threads));
   }
-  const double stiffness_n_m = stiffnessInStep(wanted.tool, wanted.bed.soil.friction);
+  const double stiffness_n_m = stiffnessInStep(toolSet(wanted).all(), wanted.bed.soil);
   if (!(wanted.tool == scene_file_.tool)) {
     if (substepsFor(madeOf(wanted, made_of_).bed, stiffness_n_m) != scene_->substeps()) {
       throw InvalidParameter("tool.stiffness_n_m", fmt::format("{}", wanted.tool.stiffness_n_m),

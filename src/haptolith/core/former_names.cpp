@@ -27,6 +27,7 @@ constexpr std::array kFormerNames{
     FormerName{NameKind::kKey, "scene.friction", "scene.friction_model"},  // [block.scene] of a protocol
     FormerName{NameKind::kKey, "lab.friction", "lab.friction_model"},      // options of hapto_lab_test()
     FormerName{NameKind::kKey, "hand.manoeuvre", "hand.motion"},
+    FormerName{NameKind::kKey, "tool.name", "tool.model"},
     FormerName{NameKind::kKey, "loop.paced", "loop.real_time"},
     FormerName{NameKind::kKey, "safety.calm_s", "safety.recovery_s"},
     FormerName{NameKind::kKey, "safety.most_misses", "safety.max_missed_deadlines"},

@@ -94,7 +94,7 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   scene_file_ = loadSceneFileText(header.scene_file, "the recorded scene");
   scene_file_.bed.threads = threads.value_or(scene_file_.bed.threads);
   scene_file_.loop.real_time = false;
-  scene_ = std::make_unique<Scene>(scene_file_.bed, scene_file_.tool, progress);
+  scene_ = std::make_unique<Scene>(scene_file_.bed, toolSet(scene_file_), progress);
   const DeclaredLimits declared = limitsOf(header.device_limits);
   device_ = std::make_unique<ReplayDevice>(header.device, declared.limits, declared.simulated);
   const double surface_m = scene_file_.hand.surface_m.value_or(scene_->bed().surfaceHeight());

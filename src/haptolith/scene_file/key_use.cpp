@@ -53,6 +53,16 @@ bool isNotDirect(const SceneFile& scene) {
   return scene.handling.coupling.kind != CouplingKind::kDirect;
 }
 
+template <Drive... kDrives>
+bool drives(const SceneFile& scene) {
+  return ((scene.tool.joint.drive == kDrives) || ...);
+}
+
+bool hasJoint(const SceneFile& scene) {
+  return scene.tool.joint.any();
+}
+
+constexpr std::string_view kJoint = "[tool] joint_drive = speed, torque or free";
 constexpr std::string_view kIcra2021 = "[soil] friction_model = icra2021";
 constexpr std::string_view kContact = "[soil] friction_model = contact";
 constexpr std::string_view kGraded = "[bed] fine_radius_mm above 0";
@@ -104,11 +114,19 @@ constexpr std::array kUses{
     KeyUse{"tool", "friction", hasContactFriction, kContact, true},
     KeyUse{"tool", "adhesion_n", hasContactFriction, kContact, true},
 
+    KeyUse{"tool", "joint_axis", hasJoint, kJoint, true},
+    KeyUse{"tool", "joint_point_mm", hasJoint, kJoint, true},
+    KeyUse{"tool", "joint_speed_rad_s", hasJoint, kJoint, true},
+    KeyUse{"tool", "joint_torque_nm", drives<Drive::kTorque>, "[tool] joint_drive = torque", true},
+    KeyUse{"tool", "joint_inertia_kg_m2", drives<Drive::kTorque, Drive::kFree>, "[tool] joint_drive = torque or free",
+           true},
+
     KeyUse{"hand", "mass_kg", isArm, kArm, false},
     KeyUse{"hand", "damping_n_s_m", isArm, kArm, false},
     KeyUse{"hand", "stiffness_n_m", isArm, kArm, false},
     KeyUse{"hand", "lever_mm", isArm, kArm, false},
     KeyUse{"hand", "period_s", isBuiltInMotion, kNoPoses, true},
+    KeyUse{"hand", "turn_deg", isBuiltInMotion, kNoPoses, true},
     KeyUse{"hand", "depth_mm", isBuiltInMotion, kNoPoses, true},
     KeyUse{"hand", "reach_mm", isBuiltInMotion, kNoPoses, true},
 

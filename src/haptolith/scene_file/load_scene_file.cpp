@@ -5,10 +5,12 @@
 
 #include "haptolith/core/former_names.h"
 #include "haptolith/core/nearest_word.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/scene_file/built_in_scenes.h"
 #include "haptolith/scene_file/key_use.h"
 #include "haptolith/scene_file/scene_file.h"
 #include "haptolith/scene_file/scene_file_keys.h"
+#include "haptolith/scene_file/scene_words.h"
 #include "haptolith/scene_file/stone_keys.h"
 #include "haptolith/scene_file/toml/toml_error.h"
 #include "haptolith/scene_file/toml/toml_reader.h"
@@ -24,15 +26,20 @@ constexpr FileKind kScene{.name = "scene",
                           .document = "docs/reference/scenes.md",
                           .left_out = "left out, so as in icra2021"};
 
+/// Keys of a tool that say which shape it has, in one way or another.
+bool saysWhichShape(std::string_view key) {
+  return key == "shape" || key == "model" || key == "tool_part" || key.starts_with("mesh");
+}
+
 constexpr RivalKeys kRivals[]{
     {"soil", "preset", "name"},
     {"soil", "preset", "file"},
     {"soil", "name", "file"},
     {"bed", "grains", "grains_data"},
     {"tool", "mesh", "mesh_data"},
-    {"tool", "name", "mesh"},
-    {"tool", "name", "mesh_data"},
-    {"tool", "name", "shape"},
+    {"tool", "model", "mesh"},
+    {"tool", "model", "mesh_data"},
+    {"tool", "model", "shape"},
     {"gravity", "body", "magnitude_m_s2"},
     {"gravity", "vector_m_s2", "direction"},
     {"gravity", "vector_m_s2", "body"},
@@ -108,25 +115,49 @@ void requirePoses(const TomlReader& reader, const SceneFile& scene) {
   }
 }
 
+void requireJoint(const TomlReader& reader, const SceneFile& scene) {
+  const Drive drive = scene.tool.joint.drive;
+  if (drive == Drive::kNone || reader.find("tool", "joint_drive") == nullptr) {
+    return;
+  }
+  const auto require = [&](std::string_view key, std::string_view what) {
+    if (reader.find("tool", key) == nullptr) {
+      reader.refuse(reader.lineOf("tool", "joint_drive"), fmt::format("[tool] joint_drive = '{}' needs [tool] {}, {}",
+                                                                      wordFor(kDriveWords, drive), key, what));
+    }
+  };
+  require("joint_axis", "the direction of the axis");
+  if (drive == Drive::kTorque || drive == Drive::kFree) {
+    require("joint_inertia_kg_m2", "the moment of inertia about the axis");
+  }
+}
+
+void validateTool(const TomlReader& reader, const SceneFile& scene) {
+  const std::span<const SceneFileKey> keys = sceneFileKeys();
+  reader.check(keys, "tool", [&] { validate(scene.mesh); });
+  reader.check(keys, "tool", [&] { validate(scene.tool); });
+  reader.check(keys, "hand", [&] { validate(scene.hand); });
+  reader.check(keys, "device", [&] { validate(scene.device); });
+  reader.check(keys, "mapping", [&] { validate(scene.handling.mapping); });
+  reader.check(keys, "coupling", [&] { validate(scene.handling.coupling, scene.loop.tick_s); });
+  reader.check(keys, "safety", [&] { validate(scene.handling.safety); });
+}
+
 void validateWhole(const TomlReader& reader, const SceneFile& scene) {
   const std::span<const SceneFileKey> keys = sceneFileKeys();
   reader.check(keys, "soil", [&] { validate(scene.bed.soil); });
   reader.check(keys, "stones", [&] { validate(scene.bed.stones); });
   reader.check(keys, "bed", [&] { validate(scene.bed); });
-  reader.check(keys, "tool", [&] { validate(scene.mesh); });
-  reader.check(keys, "tool", [&] { validate(scene.tool); });
-  reader.check(keys, "hand", [&] { validate(scene.hand); });
   reader.check(keys, "loop", [&] { validate(scene.loop); });
-  reader.check(keys, "device", [&] { validate(scene.device); });
-  reader.check(keys, "mapping", [&] { validate(scene.handling.mapping); });
-  reader.check(keys, "coupling", [&] { validate(scene.handling.coupling, scene.loop.tick_s); });
-  reader.check(keys, "safety", [&] { validate(scene.handling.safety); });
+  if (scene.more_tools.empty()) {
+    validateTool(reader, scene);
+  }
   reader.check(keys, "", [&] { validate(scene); });
 }
 
 /// Whether the file gives a key a value that is not the usual one and has no effect in `scene`.
 bool isIdle(const TomlReader& reader, const KeyUse& use, const SceneFile& scene) {
-  if (reader.find(use.table, use.name) == nullptr || use.counts(scene)) {
+  if (reader.findOwn(use.table, use.name) == nullptr || use.counts(scene)) {
     return false;
   }
   const auto keys = sceneFileKeys();
@@ -139,9 +170,16 @@ std::string whyIdle(const KeyUse& use) {
   return fmt::format("[{}] {} has no effect: it needs {}", use.table, use.name, use.needs);
 }
 
-void refuseWhatNeverCounts(const TomlReader& reader, const SceneFile& scene) {
+/// Whose keys are looked at: of a file with [[tools]], those of the scene, or of a tool.
+enum class Whose { kAny, kBed, kTool };
+
+bool isLookedAt(const KeyUse& use, Whose whose) {
+  return whose == Whose::kAny || (whose == Whose::kTool) == isToolTable(use.table);
+}
+
+void refuseWhatNeverCounts(const TomlReader& reader, const SceneFile& scene, Whose whose) {
   for (const KeyUse& use : keyUses()) {
-    if (!use.may_count_later && isIdle(reader, use, scene)) {
+    if (isLookedAt(use, whose) && !use.may_count_later && isIdle(reader, use, scene)) {
       reader.refuse(reader.lineOf(use.table, use.name), whyIdle(use));
     }
   }
@@ -162,29 +200,132 @@ void refuseLibrary(const TomlReader& reader) {
   }
 }
 
+constexpr KeyName kTools{"", "tools"};
+
+std::string toolNameIn(const TomlReader& table) {
+  static const SceneFileKey kName{"", "name", "",
+                                  SceneFileKey::TextValue{[](SceneFile& scene, std::string_view name) {
+                                                            requireToolName(name);
+                                                            scene.tool_name = name;
+                                                          },
+                                                          kOnlyRead},
+                                  "Name of the tool."};
+  SceneFile named;
+  table.apply(kName, named);
+  return named.tool_name;
+}
+
+/// Reads the tool and what moves it, which are the first of `scene`.
+void readFirstTool(const TomlReader& reader, SceneFile& scene) {
+  for (const SceneFileKey& key : sceneFileKeys()) {
+    if (isOfTool(key)) {
+      reader.apply(key, scene);
+    }
+  }
+  readToolParts(reader, scene);
+  requirePoses(reader, scene);
+  requireMesh(reader, scene);
+  requireJoint(reader, scene);
+}
+
+/// A tool of [[tools]]: what it does not say itself, the file's [tool], [hand] and so on say of all.
+/// @throws TomlError.
+void readTool(TomlReader& reader, From from, SceneFile& scene) {
+  std::vector<KeyName> known = keyNames(keysOfTools());
+  known.push_back({"", "name"});
+  known.push_back({"", "tool_part"});
+  reader.refuseUnknownKeys(known);
+  reader.decideTogether("tool", [](std::string_view key) { return saysWhichShape(key); });
+  reader.decideTogether("hand", [](std::string_view key) { return key == "motion" || key == "poses"; });
+  refuseContradictions(reader);
+  readFirstTool(reader, scene);
+  makeMesh(reader, scene);
+  validateTool(reader, scene);
+  if (from == From::kFile) {
+    refuseWhatNeverCounts(reader, scene, Whose::kTool);
+  }
+}
+
+void readNewTools(const TomlReader& reader, From from, SceneFile& scene) {
+  std::vector<TomlReader> tables = reader.parts(kTools.name, "tool");
+  if (tables.size() > ToolSet::kMost) {
+    reader.refuse(tables[ToolSet::kMost].line(),
+                  fmt::format("{} [[tools]] are not valid: must be at most {}", tables.size(), ToolSet::kMost));
+  }
+  const SceneFile usual;
+  scene.more_tools.clear();
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const std::string name = toolNameIn(tables[i]);
+    for (std::size_t before = 0; before < i; ++before) {
+      if (toolNames(scene)[before] == name) {
+        tables[i].refuseKey({"", "name"}, "another name than those of the tools before it");
+      }
+    }
+    if (i == 0) {
+      scene.tool_name = name;
+    } else {
+      scene.more_tools.push_back({name, usual.mesh, usual.tool, usual.hand, usual.device, usual.handling});
+    }
+    exchangeFirst(scene, i);
+    readTool(tables[i], from, scene);
+    exchangeFirst(scene, i);
+  }
+}
+
+/// Changes tools that are there: all of them, and those with a name.
+void changeTools(const TomlReader& reader, From from, SceneFile& scene) {
+  for (std::size_t i = 0; i < toolCount(scene); ++i) {
+    exchangeFirst(scene, i);
+    readFirstTool(reader, scene);
+    exchangeFirst(scene, i);
+  }
+  for (TomlReader& table : reader.parts(kTools.name, "tool")) {
+    const std::string name = toolNameIn(table);
+    const std::vector<std::string_view> names = toolNames(scene);
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      throw InvalidParameter("tools", inQuotes(name), fmt::format("one of {}", fmt::join(names, ", ")));
+    }
+    const auto i = static_cast<std::size_t>(found - names.begin());
+    exchangeFirst(scene, i);
+    readTool(table, from, scene);
+    exchangeFirst(scene, i);
+  }
+}
+
 /// @param scene  what keys that are left out keep.
 SceneFile read(const TomlReader& reader, From from, SceneFile scene = {}) {
   std::vector<KeyName> known = keyNames(sceneFileKeys());
   known.push_back(kLibrary);
   known.push_back({"", "stone"});  // a separate table for each
   known.push_back({"", "tool_part"});
+  known.push_back(kTools);
   reader.refuseUnknownKeys(known);
   if (from == From::kFile) {
     refuseLibrary(reader);
   }
-  refuseContradictions(reader);
+  const bool has_tools = reader.has(kTools.table, kTools.name);
+  if (!has_tools) {
+    refuseContradictions(reader);
+  }
   for (const SceneFileKey& key : sceneFileKeys()) {
-    reader.apply(key, scene);
+    if (!isOfTool(key)) {
+      reader.apply(key, scene);
+    }
   }
   readPlacedStones(reader, scene);
-  readToolParts(reader, scene);
   requireGrains(reader, scene);
-  requirePoses(reader, scene);
-  requireMesh(reader, scene);
+  if (reader.isChange()) {
+    changeTools(reader, from, scene);
+  } else if (has_tools) {
+    readNewTools(reader, from, scene);
+  } else {
+    readFirstTool(reader, scene);
+  }
   makeMesh(reader, scene);
   validateWhole(reader, scene);
   if (from == From::kFile) {
-    refuseWhatNeverCounts(reader, scene);
+    refuseWhatNeverCounts(reader, scene, has_tools ? Whose::kBed : Whose::kAny);
   }
   return scene;
 }
@@ -221,7 +362,7 @@ TomlReader readerOf(std::string_view name_or_file) {
 /// the parts that it is put together of.
 void takeToolOverrides(TomlReader& reader, const TomlReader& given) {
   const toml::node* shape = given.find("tool", "shape");
-  const bool other_mesh = given.has("tool", "mesh") || given.has("tool", "name");
+  const bool other_mesh = given.has("tool", "mesh") || given.has("tool", "model");
   const bool other_shape = shape != nullptr && shape->value_or(std::string_view()) != "mesh";
   if (other_mesh || other_shape) {
     reader.passOver("", [](std::string_view key) { return key == "tool_part"; });
@@ -229,7 +370,7 @@ void takeToolOverrides(TomlReader& reader, const TomlReader& given) {
   if (other_mesh) {
     reader.passOver("tool", [](std::string_view key) { return key == "shape" || key.starts_with("mesh"); });
   } else if (other_shape) {
-    reader.passOver("tool", [](std::string_view key) { return key == "mesh" || key == "name"; });
+    reader.passOver("tool", [](std::string_view key) { return key == "mesh" || key == "model"; });
   }
 }
 
@@ -319,10 +460,24 @@ std::vector<std::string> idleKeys(std::string_view name_or_file, const SceneFile
   TomlReader reader = readerOf(name_or_file);
   takeOverrides(reader, overrides);
   std::vector<std::string> idle;
-  for (const KeyUse& use : keyUses()) {
-    if (isIdle(reader, use, scene)) {
-      idle.push_back(reader.located({use.table, use.name}, whyIdle(use)));
+  const auto look = [&](const TomlReader& at, const SceneFile& shown, Whose whose) {
+    for (const KeyUse& use : keyUses()) {
+      if (isLookedAt(use, whose) && isIdle(at, use, shown)) {
+        idle.push_back(at.located({use.table, use.name}, whyIdle(use)));
+      }
     }
+  };
+  if (!reader.has(kTools.table, kTools.name)) {
+    look(reader, scene, Whose::kAny);
+    return idle;
+  }
+  look(reader, scene, Whose::kBed);
+  SceneFile each = scene;
+  const std::vector<TomlReader> tables = reader.parts(kTools.name, "tool");
+  for (std::size_t i = 0; i < std::min(tables.size(), toolCount(scene)); ++i) {
+    exchangeFirst(each, i);
+    look(tables[i], each, Whose::kTool);
+    exchangeFirst(each, i);
   }
   return idle;
 }

@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "haptolith/bed/start/ready_tile.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/plain_text.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/scene_file/toml/file_keys.h"
 #include "haptolith/soil/bodies.h"
@@ -37,6 +41,42 @@ std::string toolInWords(const SceneFile& scene_file) {
 
 }  // namespace
 
+void requireToolName(std::string_view name) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_-";
+  constexpr std::size_t kMost = 32;
+  if (name.empty() || name.size() > kMost || name.find_first_not_of(kLetters) != std::string_view::npos) {
+    throw InvalidParameter("name", inQuotes(name), fmt::format("1 to {} of a to z, 0 to 9, _ and -", kMost));
+  }
+}
+
+std::vector<std::string_view> toolNames(const SceneFile& scene_file) {
+  std::vector<std::string_view> names{scene_file.tool_name};
+  for (const SceneTool& tool : scene_file.more_tools) {
+    names.push_back(tool.name);
+  }
+  return names;
+}
+
+ToolSet toolSet(const SceneFile& scene_file) {
+  std::vector<ToolParameters> tools{scene_file.tool};
+  for (const SceneTool& tool : scene_file.more_tools) {
+    tools.push_back(tool.tool);
+  }
+  return ToolSet(std::move(tools));
+}
+
+void exchangeFirst(SceneFile& scene_file, std::size_t tool) {
+  if (tool > 0) {
+    SceneTool& other = scene_file.more_tools.at(tool - 1);
+    std::swap(scene_file.tool_name, other.name);
+    std::swap(scene_file.mesh, other.mesh);
+    std::swap(scene_file.tool, other.tool);
+    std::swap(scene_file.hand, other.hand);
+    std::swap(scene_file.device, other.device);
+    std::swap(scene_file.handling, other.handling);
+  }
+}
+
 HandlingParameters handlingOf(const SceneFile& scene_file, double surface_m) {
   HandlingParameters handling = handlingOfOwnDevice(scene_file, surface_m);
   if (scene_file.device.kind == DeviceKind::kVirtualHand) {
@@ -67,6 +107,9 @@ std::string sceneInWords(const SceneFile& scene_file) {
       1e3 * scene_file.bed.soil.radius_m);
   words += scene_file.bed.stones.any() ? ", stones" : "";
   words += ", " + toolInWords(scene_file);
+  if (!scene_file.more_tools.empty()) {
+    words += fmt::format(" and {}", pluralise(scene_file.more_tools.size(), "more tool"));
+  }
   if (scene_file.device.kind == DeviceKind::kVirtualHand && scene_file.hand.motion != HandMotion::kStill) {
     words += fmt::format(", {}", wordFor(kHandMotionWords, scene_file.hand.motion));
   }
@@ -107,7 +150,9 @@ void changeBody(SceneFile& scene_file, std::string_view name) {
   retitle(scene_file, before);
 }
 
-void makeToolMesh(SceneFile& scene_file) {
+namespace {
+
+void makeMeshOfFirst(SceneFile& scene_file) {
   const StonesParameters& stones = scene_file.bed.stones;
   if (scene_file.mesh.bytes != nullptr && largestSphere(stones) > kMostMeshReach_m) {
     throw InvalidParameter("stones", fmt::format("spheres up to {:g} mm in diameter", 2e3 * largestSphere(stones)),
@@ -132,6 +177,44 @@ void requireRoomInJaws(const SceneFile& scene_file) {
     throw InvalidParameter("jaw_bend_rad", fmt::format("{:g}", tool.jaw_bend_rad),
                            fmt::format("less than {:.3g}, so that particles of {:g} mm diameter fit into the curve",
                                        most_rad, 2e3 * grain_m));
+  }
+}
+
+/// What moves a tool, and the tool.
+void validateFirst(const SceneFile& scene_file) {
+  validate(scene_file.mesh);
+  validate(scene_file.tool);
+  validate(scene_file.hand);
+  validate(scene_file.device);
+  validate(scene_file.handling.mapping);
+  validate(scene_file.handling.coupling, scene_file.loop.tick_s);
+  validate(scene_file.handling.safety);
+  requireRoomInJaws(scene_file);
+}
+
+void requireNames(const SceneFile& scene_file) {
+  const std::vector<std::string_view> names = toolNames(scene_file);
+  for (auto name = names.begin(); name != names.end(); ++name) {
+    requireToolName(*name);
+    if (std::find(names.begin(), name, *name) != name) {
+      throw InvalidParameter("name", inQuotes(*name), "another name than those of the tools before it");
+    }
+  }
+}
+
+}  // namespace
+
+void makeToolMesh(SceneFile& scene_file) {
+  for (std::size_t i = 0; i < toolCount(scene_file); ++i) {
+    exchangeFirst(scene_file, i);
+    const auto back = [&] { exchangeFirst(scene_file, i); };
+    try {
+      makeMeshOfFirst(scene_file);
+    } catch (...) {
+      back();
+      throw;
+    }
+    back();
   }
 }
 
@@ -175,15 +258,16 @@ void makeCoarser(SceneFile& scene_file) {
 
 void validate(const SceneFile& scene_file) {
   validate(scene_file.bed);
-  validate(scene_file.mesh);
-  validate(scene_file.tool);
-  validate(scene_file.hand);
   validate(scene_file.loop);
-  validate(scene_file.device);
-  validate(scene_file.handling.mapping);
-  validate(scene_file.handling.coupling, scene_file.loop.tick_s);
-  validate(scene_file.handling.safety);
-  requireRoomInJaws(scene_file);
+  requireNames(scene_file);
+  validateFirst(scene_file);
+  if (!scene_file.more_tools.empty()) {
+    SceneFile each = scene_file;
+    for (std::size_t i = 1; i < toolCount(each); ++i) {
+      exchangeFirst(each, i);
+      validateFirst(each);
+    }
+  }
   if (scene_file.bed.tick_s != scene_file.loop.tick_s) {
     throw InvalidParameter("tick_s", fmt::format("{}", scene_file.loop.tick_s),
                            fmt::format("the bed's {}", scene_file.bed.tick_s));

@@ -11,6 +11,7 @@
 #include "haptolith/device/hand/hand_parameters.h"
 #include "haptolith/haptics/loop/handling_parameters.h"
 #include "haptolith/haptics/loop_parameters.h"
+#include "haptolith/scene/scene.h"
 #include "haptolith/scene_file/soil_file.h"
 #include "haptolith/tool/tool_mesh.h"
 #include "haptolith/tool/tool_parameters.h"
@@ -24,7 +25,19 @@ namespace haptolith {
   return handling;
 }
 
-/// A whole scene: soil in a box, a tool, a hand and the loop that joins them. The default is the scene icra2021.
+/// One of several tools in a scene, and what moves it.
+struct SceneTool {
+  std::string name;  ///< unique in its scene
+  ToolMeshSource mesh;
+  ToolParameters tool;
+  HandParameters hand;
+  DeviceParameters device;
+  HandlingParameters handling = handlingAboveTheBed();
+
+  [[nodiscard]] bool operator==(const SceneTool&) const = default;
+};
+
+/// A whole scene: soil in a box, tools, hands and the loop that joins them. The default is the scene icra2021.
 struct SceneFile {
   std::string title = "The scene of the ICRA 2021 paper";
   std::string preset = "P3";  ///< empty when the soil has a name or was given by its numbers
@@ -37,9 +50,29 @@ struct SceneFile {
   LoopParameters loop;
   DeviceParameters device;
   HandlingParameters handling = handlingAboveTheBed();  ///< its offset is above the surface; not for the virtual hand
+  std::string tool_name = std::string(kFirstToolName);
+  std::vector<SceneTool> more_tools;  ///< after the first, whose mesh, tool, hand, device and handling are above
+
+  static constexpr std::string_view kFirstToolName = "tool";  ///< where there is no other
 
   [[nodiscard]] bool operator==(const SceneFile&) const = default;
 };
+
+[[nodiscard]] inline std::size_t toolCount(const SceneFile& scene_file) noexcept {
+  return 1 + scene_file.more_tools.size();
+}
+
+/// The names of its tools, in order.
+[[nodiscard]] std::vector<std::string_view> toolNames(const SceneFile& scene_file);
+
+/// @throws InvalidParameter for a name that a tool cannot have.
+void requireToolName(std::string_view name);
+
+/// What a Scene needs of its tools, in order.
+[[nodiscard]] ToolSet toolSet(const SceneFile& scene_file);
+
+/// Makes a tool the first, and the first that one; a second call undoes it.
+void exchangeFirst(SceneFile& scene_file, std::size_t tool);
 
 /// Reads a TOML scene; keys that are left out keep the values of the scene icra2021. docs/reference/scenes.md lists
 /// every key.

@@ -1,6 +1,7 @@
 #include "haptolith/scene_file/scene_file_keys.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -260,14 +261,26 @@ Keys keysOfStones() {
 /// Unit of `mesh_sheet_mm`, whose number has another name.
 constexpr KeyUnit kSheetMillimetres{kMillimetres.in_si, "mesh_sheet_mm", "sheet_thickness_m"};
 
+constexpr Range kJointAxis{-1e6, 1e6};
+
+void setJointAxis(S& scene, const Vec3& direction) {
+  constexpr double kRounding = 1e-12;
+  if (direction.isZero(kRounding)) {
+    throw InvalidParameter("joint_axis", "the zero vector", "a direction, for example [0, 1, 0]");
+  }
+  const bool is_unit = std::abs(direction.norm() - 1) < kRounding;  // what was written is read as it was
+  scene.tool.joint.axis = is_unit ? direction : Vec3(direction.normalized());
+}
+
 Keys keysOfTool() {
   const auto tool = memberKeys<S>("tool", &S::tool);
   const auto mesh = memberKeys<S>("tool", &S::mesh);
+  const auto joint = memberKeys<S>("tool", &S::tool, &ToolParameters::joint);
   return {
       tool.word("shape", &ToolParameters::shape, kToolShapeWords,
                 "The shovel (`box`), a sphere, a flat round plate, an upright cylinder, two jaws that open along x, or "
                 "a `mesh`."),
-      {"tool", "name", "",
+      {"tool", "model", "",
        WordValue{namesOf(builtInTools()), [](S& s, std::string_view v) { setTool(s, v); }, kOnlyRead},
        "Built-in mesh; excludes `shape` and `mesh`."},
       tool.vector("size_mm", &ToolParameters::size_m, ToolRanges::length_m, kMillimetres,
@@ -316,6 +329,22 @@ Keys keysOfTool() {
                   "Mass rendered as weight and, with a virtual coupling, as inertia; 0: none."),
       tool.vector("centre_of_mass_mm", &ToolParameters::centre_of_mass_m, ToolRanges::centre_of_mass_m, kMillimetres,
                   "Centre of that mass from the tool's origin, tool's frame."),
+      joint.word(
+          "joint_drive", &Joint::drive, kDriveWords,
+          "What turns the tool about an axis of the hand's: a motor that holds a speed or gives a torque, or the "
+          "soil alone (`free`)."),
+      {"tool", "joint_axis", "joint_axis",
+       VectorValue{kJointAxis, setJointAxis, [](const S& s) { return s.tool.joint.axis; }},
+       "Direction of that axis, tool's frame; required with a drive."},
+      joint.vector("joint_point_mm", &Joint::point_m, JointRanges::point_m, kMillimetres,
+                   "A point on that axis, from the tool's origin."),
+      joint.number("joint_speed_rad_s", &Joint::speed_rad_s, JointRanges::speed_rad_s,
+                   "Speed that the motor holds, or the first speed; right-handed about the axis."),
+      joint.number("joint_torque_nm", &Joint::torque_nm, JointRanges::torque_nm, "Torque of the motor, N m."),
+      {"tool", "joint_inertia_kg_m2", "joint_inertia_kg_m2",
+       NumberValue{JointRanges::inertia_kg_m2, [](S& s, double v) { s.tool.joint.inertia_kg_m2 = v; },
+                   [](const S& s) { return s.tool.joint.inertia_kg_m2 > 0 ? s.tool.joint.inertia_kg_m2 : kLeftOut; }},
+       "Moment of inertia of the tool about the axis; required with `torque` or `free`."},
   };
 }
 
@@ -345,6 +374,8 @@ Keys keysOfHand() {
                   "After this time the hand leaves the soil and waits above it."),
       hand.vector("home_mm", &HandParameters::home_m, HandRanges::home_m, kMillimetres,
                   "Start and end of the motion: x and y in the scene, z above the surface."),
+      hand.vector("turn_deg", &HandParameters::turn_rad, HandRanges::turn_rad, kDegrees,
+                  "Rotation of the tool in the hand: about x, then y, then z; not with `poses`."),
       hand.number("depth_mm", &HandParameters::depth_m, HandRanges::depth_m, kMillimetres,
                   "Depth of the tool's centre below the surface."),
       hand.number("surface_mm", &HandParameters::surface_m, HandRanges::surface_m, kMillimetres,
@@ -455,6 +486,25 @@ Keys allKeys() {
 
 std::span<const SceneFileKey> sceneFileKeys() {
   static const std::vector<SceneFileKey> kKeys = allKeys();
+  return kKeys;
+}
+
+bool isToolTable(std::string_view table) {
+  constexpr std::array<std::string_view, 6> kTables{"tool", "hand", "device", "mapping", "coupling", "safety"};
+  return std::ranges::find(kTables, table) != kTables.end();
+}
+
+bool isOfTool(const SceneFileKey& key) {
+  return isToolTable(key.table) || (key.table == "names" && key.name == "mesh");
+}
+
+std::span<const SceneFileKey> keysOfTools() {
+  static const std::vector<SceneFileKey> kKeys = [] {
+    std::vector<SceneFileKey> keys;
+    std::ranges::copy_if(sceneFileKeys(), std::back_inserter(keys), isOfTool);
+    std::ranges::stable_partition(keys, [](const SceneFileKey& key) { return key.table == "tool"; });
+    return keys;
+  }();
   return kKeys;
 }
 

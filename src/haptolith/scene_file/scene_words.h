@@ -52,6 +52,13 @@ inline constexpr std::array kToolShapeWords{
     SceneWord{"jaws", ToolShape::kJaws},   SceneWord{"mesh", ToolShape::kMesh},
 };
 
+inline constexpr std::array kDriveWords{
+    SceneWord{"none", Drive::kNone},
+    SceneWord{"speed", Drive::kSpeed},
+    SceneWord{"torque", Drive::kTorque},
+    SceneWord{"free", Drive::kFree},
+};
+
 inline constexpr std::array kMeshFormatWords{
     SceneWord{"stl", MeshFormat::kStl},
     SceneWord{"obj", MeshFormat::kObj},

@@ -60,7 +60,7 @@ void readToolParts(const TomlReader& reader, SceneFile& scene) {
     return;
   }
   for (const std::string_view rival :
-       {"name", "mesh", "mesh_data", "mesh_unit_mm", "mesh_sheet_mm", "mesh_origin_mm", "mesh_turn_deg"}) {
+       {"model", "mesh", "mesh_data", "mesh_unit_mm", "mesh_sheet_mm", "mesh_origin_mm", "mesh_turn_deg"}) {
     if (reader.has("tool", rival)) {
       reader.refuseKey({"tool", rival}, "left out: the tool is put together of [[tool_part]]");
     }

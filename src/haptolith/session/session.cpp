@@ -38,7 +38,7 @@ SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
 
 void requireEnoughSubsteps(const SceneFile& scene_file) {
   const BedParameters& bed = scene_file.bed;
-  (void)substepsFor(bed, stiffnessInStep(scene_file.tool, bed.soil.friction));
+  (void)substepsFor(bed, stiffnessInStep(toolSet(scene_file).all(), scene_file.bed.soil));
 }
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
@@ -66,7 +66,7 @@ Session::Showing Session::showNew(const SceneFile& scene_file, const SettleProgr
   Showing made;
   made.scene_file = scene_file;
   made.made_of = scene_file.bed;
-  made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, progress);
+  made.scene = std::make_unique<Scene>(scene_file.bed, toolSet(scene_file), progress);
   const Bed& bed = made.scene->bed();
   made.fresh = std::make_shared<const Fresh>(
       Fresh{scene_file.bed, made.scene->save(), bed.heldParticles(), bed.surfaceHeight()});
@@ -79,7 +79,7 @@ Session::Showing Session::showFresh(const SceneFile& scene_file, std::shared_ptr
   made.made_of = scene_file.bed;
   SavedScene saved = fresh->saved;
   saved.tools.front().opening_m = scene_file.tool.opening_m;  // the tool may be another one
-  made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, saved);
+  made.scene = std::make_unique<Scene>(scene_file.bed, toolSet(scene_file), saved);
   made.fresh = std::move(fresh);
   return made;
 }
@@ -89,7 +89,7 @@ Session::Showing Session::showLying(const SceneFile& scene_file, const LyingSoil
   Showing made;
   made.scene_file = scene_file;
   made.made_of = scene_file.bed;
-  made.scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, lying);
+  made.scene = std::make_unique<Scene>(scene_file.bed, toolSet(scene_file), lying);
   made.fresh = std::move(fresh);
   return made;
 }
@@ -331,7 +331,7 @@ void Session::changeWhatIsThere() {
   if (wanted_.bed.soil == now.bed.soil) {
     return;
   }
-  if (!isCompatible(current_.made_of, wanted_.bed.soil, stiffnessInStep(wanted_.tool, wanted_.bed.soil.friction))) {
+  if (!isCompatible(current_.made_of, wanted_.bed.soil, stiffnessInStep(toolSet(wanted_).all(), wanted_.bed.soil))) {
     make("soil", true);
   } else if (loop_->ask(request::Soil{SoilLaws(wanted_.bed.soil, grainClasses(wanted_.bed))})) {
     now.bed.soil = wanted_.bed.soil;
@@ -399,7 +399,7 @@ bool Session::adjust(const SoilAdjustment& adjustment) {
   if (making_ || coming_ || !bed_wanted_.empty() || wanted_.bed.soil != current_.scene_file.bed.soil ||
       !sameTool(wanted_.tool, current_.scene_file.tool) ||
       (next.bed.soil.contact_cohesion_n > 0) != (current_.scene_file.bed.soil.contact_cohesion_n > 0) ||
-      !isCompatible(current_.made_of, next.bed.soil, stiffnessInStep(next.tool, next.bed.soil.friction)) ||
+      !isCompatible(current_.made_of, next.bed.soil, stiffnessInStep(toolSet(next).all(), next.bed.soil)) ||
       !loop_->ask(request::Adjust{SoilLaws(next.bed.soil, grainClasses(next.bed)), next.tool.friction})) {
     return false;
   }

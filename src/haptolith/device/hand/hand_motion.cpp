@@ -180,10 +180,11 @@ Pose handMotionPose(const HandParameters& hand, double time_s) noexcept {
   // A stirring blade faces the way it goes; everything else looks outwards.
   const double yaw = hand.motion == HandMotion::kStir ? angle + kTurn / 4 : angle;
   const double nose = key.nose_deg * kTurn / 360;
+  const Quat facing = turnAbout(Vec3::UnitZ(), yaw) * turnAbout(Vec3::UnitY(), nose);
   return {Vec3(hand.home_m.x() + out_m * portable::cos(angle),
                hand.home_m.y() + out_m * portable::sin(angle) + key.aside * hand.reach_m,
                hand.surface_m.value_or(0) + key.height + shake_m),
-          turnAbout(Vec3::UnitZ(), yaw) * turnAbout(Vec3::UnitY(), nose)};
+          hand.turn_rad.isZero(0) ? facing : facing * turnAboutXyz(hand.turn_rad)};
 }
 
 }  // namespace haptolith

@@ -13,6 +13,7 @@ void validate(const HandParameters& hand) {
   requireInRange("active_s", hand.active_s, HandRanges::active_s);
   for (int axis = 0; axis < 3; ++axis) {
     requireInRange("home_m", hand.home_m[axis], HandRanges::home_m);
+    requireInRange("turn_rad", hand.turn_rad[axis], HandRanges::turn_rad);
   }
   requireInRange("depth_m", hand.depth_m, HandRanges::depth_m);
   requireInRange("surface_m", hand.surface_m.value_or(0), HandRanges::surface_m);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 
@@ -31,6 +32,7 @@ struct HandParameters {
   double period_s = 4;              ///< one motion
   double active_s = 1e9;            ///< then the hand leaves the soil and waits above it
   Vec3 home_m{0, 0, 0.085};         ///< start, end and waiting place: x and y in the scene, z above the surface
+  Vec3 turn_rad = Vec3::Zero();     ///< of the tool in the hand: about x, then y, then z; not with kPoses
   double depth_m = 0.02;            ///< lowest point of the tool's origin below the surface during a motion
   std::optional<double> surface_m;  ///< height of the soil's surface; left out: measured when the bed is made
   double reach_m = 0.035;           ///< largest distance to the side
@@ -49,6 +51,7 @@ struct HandRanges {
   static constexpr Range period_s{0.1, 3600};
   static constexpr Range active_s{0, Range{}.highest};
   static constexpr Range home_m{-10, 10};
+  static constexpr Range turn_rad{-2 * std::numbers::pi, 2 * std::numbers::pi};
   static constexpr Range depth_m{0, 10};
   static constexpr Range surface_m{0, 10};
   static constexpr Range reach_m{0, 10};

@@ -122,7 +122,7 @@ TomlReader::TomlReader(const TomlReader& whole, std::string_view name, toml::tab
       table_(whole.table_, &part) {}
 
 TomlReader::TomlReader(std::span<const std::string> overrides, const FileKind& kind)
-    : path_("the change"), kind_(kind), table_(std::make_shared<toml::table>()) {
+    : path_("the change"), kind_(kind), table_(std::make_shared<toml::table>()), is_change_(true) {
   takeOverrides(overrides, {});
 }
 
@@ -167,9 +167,60 @@ toml::table TomlReader::parse(std::string_view text) const {
   return file;
 }
 
-const toml::node* TomlReader::find(std::string_view table, std::string_view name) const {
-  const toml::table* at = table.empty() ? table_.get() : (*table_)[table].as_table();
+toml::table* TomlReader::tableOf(std::string_view table) const {
+  return table.empty() || table == home_ ? table_.get() : (*table_)[table].as_table();
+}
+
+const toml::node* TomlReader::findOwn(std::string_view table, std::string_view name) const {
+  const toml::table* at = tableOf(table);
   return at == nullptr ? nullptr : at->get(name);
+}
+
+const toml::node* TomlReader::find(std::string_view table, std::string_view name) const {
+  const toml::node* own = findOwn(table, name);
+  if (behind_ == nullptr || (own != nullptr && isOverride(*own))) {
+    return own;
+  }
+  const auto is_it = [&](const auto& passed) { return passed.first == table && passed.second == name; };
+  const toml::table* at = table.empty() ? behind_.get() : (*behind_)[table].as_table();
+  const toml::node* behind = at == nullptr || std::ranges::any_of(passed_, is_it) ? nullptr : at->get(name);
+  return own == nullptr || (behind != nullptr && isOverride(*behind)) ? behind : own;
+}
+
+void TomlReader::decideTogether(std::string_view table, const std::function<bool(std::string_view key)>& belongs) {
+  constexpr int kOfFile = 1, kOwn = 2, kOverrideOfFile = 3, kOwnOverride = 4;
+  struct Found {
+    std::string key;
+    int strength;
+  };
+  std::vector<Found> found;
+  const auto look = [&](const toml::table* at, int usual, int overridden) {
+    if (at != nullptr) {
+      for (const auto& [key, node] : *at) {
+        if (belongs(key.str())) {
+          found.push_back({std::string(key.str()), isOverride(node) ? overridden : usual});
+        }
+      }
+    }
+  };
+  look(tableOf(table), kOwn, kOwnOverride);
+  if (behind_ != nullptr) {
+    look(table.empty() ? behind_.get() : (*behind_)[table].as_table(), kOfFile, kOverrideOfFile);
+  }
+  int strongest = 0;
+  for (const Found& one : found) {
+    strongest = std::max(strongest, one.strength);
+  }
+  for (const Found& one : found) {
+    if (one.strength == strongest) {
+      continue;
+    }
+    if (one.strength == kOwn || one.strength == kOwnOverride) {
+      tableOf(table)->erase(one.key);
+    } else {
+      passed_.emplace_back(table, one.key);
+    }
+  }
 }
 
 std::vector<TomlReader> TomlReader::parts(std::string_view name) const {
@@ -188,6 +239,17 @@ std::vector<TomlReader> TomlReader::parts(std::string_view name) const {
   return parts;
 }
 
+std::vector<TomlReader> TomlReader::parts(std::string_view name, std::string_view home) const {
+  std::vector<TomlReader> parts = this->parts(name);
+  for (TomlReader& part : parts) {
+    part.home_ = home;
+    part.is_change_ = is_change_;
+    part.behind_ = table_;
+    part.require("", "name");
+  }
+  return parts;
+}
+
 int TomlReader::line() const {
   return part_.empty() ? 1 : lineOfNode(*table_);
 }
@@ -197,8 +259,8 @@ std::string TomlReader::fullName(const KeyName& key) const {
   if (part_.empty()) {
     return key.table.empty() ? std::string(key.name) : fmt::format("[{}] {}", key.table, key.name);
   }
-  return key.table.empty() ? fmt::format("[[{}]] {}", part_, key.name)
-                           : fmt::format("[{}.{}] {}", part_, key.table, key.name);
+  return key.table.empty() || key.table == home_ ? fmt::format("[[{}]] {}", part_, key.name)
+                                                 : fmt::format("[{}.{}] {}", part_, key.table, key.name);
 }
 
 // --- refusing ---
@@ -250,8 +312,8 @@ void TomlReader::refuseUnknownKeys(std::span<const KeyName> known) const {
   for (const auto& [name, node] : *table_) {
     if (knowsTable(known, name.str())) {
       refuseUnknownKeysIn(name.str(), node, known);
-    } else if (!knowsKey(known, "", name.str())) {
-      refuseUnknown({"", name.str()}, node, known);
+    } else if (!knowsKey(known, "", name.str()) && !knowsKey(known, home_, name.str())) {
+      refuseUnknown({home_, name.str()}, node, known);
     }
   }
 }

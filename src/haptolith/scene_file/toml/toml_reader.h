@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -71,12 +72,26 @@ class TomlReader {
   /// Null when the file does not have it.
   [[nodiscard]] const toml::node* find(std::string_view table, std::string_view name) const;
 
+  /// As above, without what a part has from its file.
+  [[nodiscard]] const toml::node* findOwn(std::string_view table, std::string_view name) const;
+
+  /// Whether there are only overrides.
+  [[nodiscard]] bool isChange() const noexcept { return is_change_; }
+
   [[nodiscard]] bool has(std::string_view table) const { return table_->contains(table); }
   [[nodiscard]] bool has(std::string_view table, std::string_view name) const { return find(table, name) != nullptr; }
 
   /// A reader for each of the tables [[name]], which reads their keys as those of a separate file.
   /// @throws TomlError when there is something else of that name.
   [[nodiscard]] std::vector<TomlReader> parts(std::string_view name) const;
+
+  /// As above; the keys of [home] stand at the top of each of these tables. What one leaves out, it has from the tables
+  /// of this file. Each has a `name`, by which overrides know it.
+  [[nodiscard]] std::vector<TomlReader> parts(std::string_view name, std::string_view home) const;
+
+  /// Lets one source decide on the keys of a table that belong together: of those of this part and those that it has
+  /// from the file, the ones that the others would contradict are passed over. Overrides decide first, then the part.
+  void decideTogether(std::string_view table, const std::function<bool(std::string_view key)>& belongs);
 
   /// First line of this reader's table; 1 for a complete file.
   [[nodiscard]] int line() const;
@@ -121,6 +136,9 @@ class TomlReader {
 
   TomlReader(const TomlReader& whole, std::string_view name, toml::table& part);
 
+  [[nodiscard]] toml::table* tableOf(std::string_view table) const;
+  [[nodiscard]] toml::table& partNamed(std::string_view list, std::string_view name);
+
   [[noreturn]] void refuseFile(std::string_view why) const;
   [[noreturn]] void refuseValue(const Place& place) const;
   [[noreturn]] void refuseLeftOut(const KeyName& key, std::string_view value, std::string_view valid) const;
@@ -149,8 +167,12 @@ class TomlReader {
 
   std::filesystem::path path_;
   FileKind kind_;
-  std::string part_;                    // "block" in a reader of [[block]]; empty for the whole file
-  std::shared_ptr<toml::table> table_;  // or a part of what it points into
+  std::string part_;                     // "block" in a reader of [[block]]; empty for the whole file
+  std::string home_;                     // table whose keys stand at the top
+  std::shared_ptr<toml::table> behind_;  // the file of a part that has keys from it
+  std::vector<std::pair<std::string, std::string>> passed_;  // of its keys, those that the part does not have from it
+  std::shared_ptr<toml::table> table_;                       // or a part of what it points into
+  bool is_change_ = false;
 };
 
 template <class Target>
