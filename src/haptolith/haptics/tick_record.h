@@ -4,6 +4,7 @@
 
 #include "haptolith/core/vec.h"
 #include "haptolith/device/haptic_device.h"
+#include "haptolith/tool/joint.h"
 
 namespace haptolith {
 
@@ -24,7 +25,7 @@ enum TickFlag : std::uint32_t {
   kTickParticleMoved = 4096,  ///< a grain was put elsewhere: see request::MoveGrain
 };
 
-/// One tick, as it is recorded.
+/// One tick of one tool, as it is recorded.
 struct TickRecord {
   double time_s = 0;
   DeviceInput device;  ///< as the device reported it, device frame
@@ -39,6 +40,8 @@ struct TickRecord {
   std::uint64_t state_hash = 0;  ///< hash of the part of the bed that was hashed in this tick; 0 unless requested
   std::uint32_t flags = 0;
   std::uint8_t trip = 0;  ///< SafetyTrip
+  std::uint8_t tool = 0;  ///< number of the tool
+  JointState joint;       ///< of the tool; zero without one
 };
 
 }  // namespace haptolith

@@ -165,6 +165,16 @@ Pose Scene::Tool::turnedPose() const noexcept {
   return parameters.joint.any() ? turned(pose, parameters.joint, joint.angle_rad) : pose;
 }
 
+ToolForce Scene::handForce(std::size_t tool) const noexcept {
+  const Tool& held = at(tool);
+  ToolForce force = held.soil_force;
+  if (held.parameters.joint.any()) {
+    const double missing_nm = -held.joint.motor_torque_nm - held.joint.soil_torque_nm;
+    force.wrench.torque_nm += missing_nm * (held.pose.orientation * held.parameters.joint.axis);
+  }
+  return force;
+}
+
 void Scene::setDrive(double value, std::size_t tool) noexcept {
   Joint& joint = at(tool).parameters.joint;
   if (std::isnan(value)) {

@@ -94,6 +94,10 @@ class Scene {
   /// The soil wrench and the force that pushed jaws apart (see ToolReaction), 0 with another tool.
   [[nodiscard]] const ToolForce& soilForce(std::size_t tool = 0) const noexcept { return at(tool).soil_force; }
 
+  /// What the hand that holds a tool gets from it: the soil force; of a tool with a joint, whose axis carries no torque
+  /// but its motor's, with the opposite of the motor's torque about the axis. May be called in the tick.
+  [[nodiscard]] ToolForce handForce(std::size_t tool = 0) const noexcept;
+
   /// Angle, speed and torques of a tool's joint; zero without one.
   [[nodiscard]] const JointState& joint(std::size_t tool = 0) const noexcept { return at(tool).joint; }
   /// Sets what a joint's drive holds: its speed in rad/s, or its torque in N m. A value out of JointRanges counts as

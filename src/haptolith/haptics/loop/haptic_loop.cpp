@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
+#include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/overloaded.h"
 #include "haptolith/core/process/signal_stack.h"
@@ -27,130 +29,173 @@ LoopEnd failure(StepStatus status) noexcept {
   return LoopEnd::kNotFinite;
 }
 
-/// The softest spring, which stores the most energy for a force: see Passivity.
-double softestSpring(const Scene& scene, const Coupling& coupling) noexcept {
-  return std::min({scene.tool().stiffness_n_m, scene.bed().parameters().soil.stiffness_n_m, coupling.stiffness()});
-}
-
-/// With a virtual coupling the tool has a separate mass: at least the one that the hand should feel.
-CouplingParameters withMassOf(const ToolParameters& tool, CouplingParameters coupling) noexcept {
-  coupling.spring.mass_kg = std::max(coupling.spring.mass_kg, tool.mass_kg);
-  return coupling;
-}
-
 }  // namespace
 
-HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
-                       const HandlingParameters& handling)
+HapticLoop::HapticLoop(Scene& scene, std::span<const ToolHandling> hands, const LoopParameters& parameters,
+                       bool keep_records)
     : first_(scene),
       shown_(&first_),
       scene_(&scene),
-      device_(device),
       parameters_(parameters),
-      mapping_(handling.mapping, device.limits(), parameters.tick_s),
-      coupling_(withMassOf(scene.tool(), handling.coupling), suitsDirectly(device.limits()),
-                parameters.filter_cutoff_hz, parameters.tick_s),
-      safety_(handling.safety, device.limits(), device.simulated(), softestSpring(scene, coupling_), parameters.tick_s),
       clock_(parameters.tick_s, parameters.real_time),
-      fade_(parameters.tick_s, device.simulated()),  // soil where a person's hand is moves out of its way gently
-      telemetry_(parameters.tick_s, keep_records),
+      telemetry_(parameters.tick_s, keep_records, std::max<std::size_t>(hands.size(), 1)),
       requests_(kRequestsWaiting) {
   validate(parameters);
   if (parameters.tick_s != scene.bed().parameters().tick_s) {  // else time would run faster or slower than the clock
     throw InvalidParameter("tick_s", fmt::format("{}", parameters.tick_s),
                            fmt::format("the bed's {}", scene.bed().parameters().tick_s));
   }
-  if (parameters.real_time && !device.simulated()) {
-    watchdog_.emplace(device, handling.safety.watchdog_timeout_s);
+  if (hands.size() > scene.tools()) {
+    throw InvalidParameter("hands", fmt::format("{}", hands.size()),
+                           fmt::format("at most the {} tools of the scene", scene.tools()));
+  }
+  for (std::size_t tool = 0; tool < scene.tools(); ++tool) {
+    if (tool < hands.size()) {
+      hands_.emplace_back(scene, tool, hands[tool], parameters);
+    } else {
+      scene.setToolFade(0, tool);
+    }
   }
 }
 
+HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
+                       const HandlingParameters& handling)
+    : HapticLoop(scene, std::array{ToolHandling{&device, handling}}, parameters, keep_records) {}
+
 LoopEnd HapticLoop::tick() noexcept {
   clock_.beginTick();
-  const bool silent = wasSilent();
-  if (silent) {  // first of all: what the hand feels now is as old as the silence is long
-    device_.write({});
+  const bool released = std::ranges::any_of(hands_, &ToolHand::watched) && LastResort::releasedForceMeanwhile();
+  for (ToolHand& hand : hands_) {
+    hand.beginTick(released);
   }
   takeRequests();
   if (clock_.standsStill()) {
     standStill();
     return LoopEnd::kRunning;
   }
-  resumeAfterStandstill();
 
-  // Reads the hand. An implausible reading leaves the tool in place, and it fades out of the soil.
-  const DeviceInput input = device_.read();
-  safety_.check(input, health(silent));
-  followHand(input);
-  LoopEnd end = endFor(safety_.trip());
-
-  // The tool follows it, and the soil answers.
+  // The tools follow the hands, and the soil answers.
+  LoopEnd end = readHands();
   if (end == LoopEnd::kRunning) {
-    end = moveTool();
+    end = moveTools();
   }
   if (end != LoopEnd::kRunning) {
-    return finish(end, input, {});
+    return finish(end);
   }
 
-  // The hand feels it, as far as is safe.
-  DeviceOutput rendered = mapping_.toDevice(coupling_.feel(scene_->soilForce(), scene_->contactStiffness()));
-  const Wrench weight = toolWeight();
-  output_ = safety_.step(rendered, weight);
-  if (!weight.isZero()) {
-    rendered.wrench.add(weight);
+  // The hands feel it, as far as is safe.
+  for (ToolHand& hand : hands_) {
+    hand.feel(*scene_);
   }
-  // After a tick that took too long, the force belongs to an old position of the hand; the next tick trips.
-  device_.write(watchdog_ && watchdog_->tooLate() ? DeviceOutput{} : output_);
   publish();
-  return finish(input.state == DeviceState::kFinished ? LoopEnd::kFinished : LoopEnd::kRunning, input, rendered);
+  const bool finished = !hands_.empty() && std::ranges::all_of(hands_, &ToolHand::finished);
+  return finish(finished ? LoopEnd::kFinished : LoopEnd::kRunning);
 }
 
-/// In the device's frame.
-Wrench HapticLoop::toolWeight() const noexcept {
-  const ToolParameters& tool = scene_->tool();
-  if (tool.mass_kg == 0) {
-    return {};
+/// Whether the run goes on with what the hands do. A person's hand that has tripped recovers; it ends when no person is
+/// left of those that there were, or when a simulated hand has left.
+LoopEnd HapticLoop::readHands() noexcept {
+  const bool late = clock_.late();
+  const BedParameters& bed = scene_->bed().parameters();
+  std::size_t people = 0, lost = 0;
+  bool left = false;
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    ToolHand& hand = hands_[i];
+    hand.resumeAfterStandstill();
+    hand.read(bed, late, std::exchange(overridden_health_[i], std::nullopt));
+    const bool simulated = hand.device().simulated();
+    people += simulated ? 0 : 1;
+    lost += hand.lost() ? 1 : 0;
+    left = left || hand.left() || (simulated && hand.lost());
   }
-  const Vec3& gravity_m_s2 = scene_->bed().parameters().gravity_m_s2;
-  return mapping_.toDevice({weightOf(tool, scene_->toolPose().orientation, gravity_m_s2), 0}).wrench;
+  if (lost > 0 && (lost >= people || left)) {
+    return LoopEnd::kLost;
+  }
+  return left ? LoopEnd::kHandLeft : LoopEnd::kRunning;
 }
 
-/// Counts a tick, records it, and reports its safety trip. A state that cannot be rendered ends the run; its tick is
+LoopEnd HapticLoop::moveTools() noexcept {
+  fadeTools();
+  std::array<HandState, ToolSet::kMost> targets;
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    targets[i] = hands_[i].target(*scene_);
+  }
+  const StepStatus status = scene_->tickAll({targets.data(), hands_.size()});
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    const Wrench& soil = scene_->soilWrench(i);
+    if (status == StepStatus::kOk && !(soil.force_n.allFinite() && soil.torque_nm.allFinite())) {
+      return LoopEnd::kNotFinite;
+    }
+  }
+  return failure(status);
+}
+
+void HapticLoop::fadeTools() noexcept {
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    scene_->setToolFade(hands_[i].fade(clock_.speed()), i);
+  }
+  if (replacement_ && isGone(*replacement_)) {
+    carryOut(*std::exchange(replacement_, std::nullopt));
+  }
+}
+
+/// Whether what is to be replaced has left the soil.
+bool HapticLoop::isGone(const request::Replace& replaced) const noexcept {
+  if (const auto* tool = std::get_if<request::ReplaceTool>(&replaced)) {
+    return tool->number >= hands_.size() || hands_[tool->number].gone();
+  }
+  return std::ranges::all_of(hands_, &ToolHand::gone);
+}
+
+/// Counts a tick, records it, and reports its safety trips. A state that cannot be rendered ends the run; its tick is
 /// counted, recorded and reported like others.
-LoopEnd HapticLoop::finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept {
+LoopEnd HapticLoop::finish(LoopEnd end) noexcept {
   const bool failed = end != LoopEnd::kRunning && end != LoopEnd::kFinished;
   if (failed) {
-    output_ = {};
-    device_.write(output_);
+    for (ToolHand& hand : hands_) {
+      hand.sendNothing();
+    }
   }
   clock_.endTick(scene_->bed().awake());
-  TickRecord& tick = telemetry_.draft();
-  tick.device = input;
-  tick.scene_T_tool = scene_->toolPose();
-  tick.rendered = rendered;
-  tick.sent = output_;
-  tick.injected_j = safety_.passivity().injected();
-  tick.quick_injected_j = safety_.passivity().quickInjected();
-  tick.flags = safety_.flags() | std::exchange(flags_, 0U) | (failed ? kTickFailed : 0U);
-  tick.trip = static_cast<std::uint8_t>(safety_.trip());
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    TickRecord& tick = telemetry_.draft(i);
+    hands_[i].fill(tick, *scene_, failed);
+    tick.flags |= flags_;
+  }
+  flags_ = 0;
   telemetry_.record(clock_, *scene_);
-  if (failed || safety_.justTripped()) {
-    telemetry_.report(safety_.trip(), failed ? end : LoopEnd::kRunning);
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    const SafetyLayer& safety = hands_[i].safety();
+    if (safety.justTripped() || (failed && i == 0)) {
+      telemetry_.report(i, safety.trip(), failed ? end : LoopEnd::kRunning);
+    }
   }
   return end;
 }
 
+void HapticLoop::softStop() noexcept {
+  for (ToolHand& hand : hands_) {
+    hand.safety().stop();
+  }
+}
+
+bool HapticLoop::softlyStopped() const noexcept {
+  return std::ranges::all_of(hands_, [](const ToolHand& hand) { return hand.safety().stopped(); });
+}
+
 LoopEnd HapticLoop::run(const std::atomic<bool>& stop) noexcept {
   const SignalStack stack;
-  if (watchdog_) {
-    watchdog_->start();
+  for (ToolHand& hand : hands_) {
+    hand.startWatching();
   }
   const LoopEnd end = runTicks(stop);
   scene_->bed().scheduleHelpers({});  // its next caller may be an ordinary thread
-  if (watchdog_) {
-    watchdog_->stop();
+  for (ToolHand& hand : hands_) {
+    hand.stopWatching();
   }
-  device_.write({});
+  for (ToolHand& hand : hands_) {
+    hand.device().write({});
+  }
   publishEnd(end);
   return end;
 }
@@ -175,7 +220,7 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
     }
     if (wanted_end != LoopEnd::kRunning) {  // forces on a person's hand fade out
       softStop();
-      if (safety_.stopped() || clock_.paused()) {
+      if (softlyStopped() || clock_.paused()) {
         return wanted_end;
       }
     }
@@ -191,96 +236,17 @@ LoopEnd HapticLoop::runTicks(const std::atomic<bool>& stop) noexcept {
   }
 }
 
-/// Whether the loop was silent for long enough that the watchdog tripped.
-bool HapticLoop::wasSilent() noexcept {
-  const bool silent = watchdog_ && watchdog_->beat();
-  return (watchdog_ && LastResort::releasedForceMeanwhile()) || silent;
-}
-
-/// Health of the loop. After silence the device is taken up again immediately: the safety layer then sends no force for
-/// a while.
-LoopHealth HapticLoop::health(bool silent) noexcept {
-  if (silent) {
-    watchdog_->resumeForce();
-  }
-  const LoopHealth now = overridden_health_.value_or(LoopHealth{clock_.late(), silent});
-  overridden_health_.reset();
-  flags_ |= now.heartbeat_lost ? kTickHeartbeatLost : 0U;
-  return now;
-}
-
-/// Moves hand_ to where the device has it, unless that is implausible.
-void HapticLoop::followHand(const DeviceInput& input) noexcept {
-  hand_.twist = {};
-  if (!safety_.allWell()) {
-    return;
-  }
-  const HandState there = mapping_.toScene(input);
-  if (!isNearBed(scene_->bed().parameters(), there.pose.position_m)) {
-    safety_.releaseForce(SafetyTrip::kWorkspace);
-  } else if (safety_.trip() == SafetyTrip::kNone) {
-    hand_ = there;
-  }
-}
-
-LoopEnd HapticLoop::moveTool() noexcept {
-  fadeTool();
-  if (fade_.takePlacing()) {  // it begins where the hand is, not with a sweep through the soil to get there
-    coupling_.place(hand_);
-    scene_->placeTool(hand_);
-  }
-  const StepStatus status = scene_->tick(coupling_.moveTool(hand_));
-  const Wrench& soil = scene_->soilWrench();
-  const bool finite = soil.force_n.allFinite() && soil.torque_nm.allFinite();
-  return status == StepStatus::kOk && !finite ? LoopEnd::kNotFinite : failure(status);
-}
-
-void HapticLoop::fadeTool() noexcept {
-  if (safety_.justRecovered()) {
-    fade_.begin();
-  }
-  if (const auto due = fade_.step(safety_.trip() == SafetyTrip::kNone, clock_.speed())) {
-    carryOut(*due);
-  }
-  scene_->setToolFade(fade_.stiffnessShare());
-}
-
-/// Pauses time; the device gets no force.
+/// Pauses time; the devices get no force.
 void HapticLoop::standStill() noexcept {
-  if (!device_.simulated()) {
-    (void)device_.read();  // some devices fall asleep when they are not polled
+  for (ToolHand& hand : hands_) {
+    hand.standStill();
   }
-  device_.write({});
-  released_ = true;
   publish();
-}
-
-/// Resumes time where it stopped. A simulated hand must not be affected; a person's has moved meanwhile.
-void HapticLoop::resumeAfterStandstill() noexcept {
-  if (!std::exchange(released_, false)) {
-    return;
-  }
-  flags_ |= kTickResumed;
-  if (device_.simulated()) {
-    device_.write(output_);
-  } else {
-    safety_.restart();
-    fade_.begin();
-  }
-}
-
-/// End of the run after a trip, if it cannot continue: a person's hand recovers, a simulated one does not.
-LoopEnd HapticLoop::endFor(SafetyTrip trip) const noexcept {
-  if (trip == SafetyTrip::kLost) {
-    return LoopEnd::kLost;
-  }
-  const bool away = trip == SafetyTrip::kDeviceNotFinite || trip == SafetyTrip::kWorkspace;
-  return device_.simulated() && away ? LoopEnd::kHandLeft : LoopEnd::kRunning;
 }
 
 /// One replacement, adjustment or moved particle at a time: the requests behind it wait for the next tick.
 bool HapticLoop::mayBeDoneNow(const LoopRequest& asked) const noexcept {
-  return !(fade_.waits() && std::holds_alternative<request::Replace>(asked)) &&
+  return !(replacement_ && std::holds_alternative<request::Replace>(asked)) &&
          !((flags_ & kTickSoilAdjusted) != 0 && std::holds_alternative<request::Adjust>(asked)) &&
          !((flags_ & kTickParticleMoved) != 0 && std::holds_alternative<request::MoveGrain>(asked));
 }
@@ -316,32 +282,54 @@ void HapticLoop::carryOut(const LoopRequest& asked) noexcept {
                  },
                  [this](const request::SetContact& touch) {
                    flags_ |= kTickSceneChanged;
-                   fade_.touch(touch.on);
+                   for (ToolHand& hand : hands_) {
+                     hand.touch(touch.on);
+                   }
                  },
                  [this](const request::Replace& replace) {
                    if (clock_.paused()) {  // no force is rendered
                      carryOut(replace);
                    } else {
-                     fade_.replaceWhenFaded(replace);
-                     flags_ |= kTickSceneChanged;  // the tool begins to fade
+                     replacement_ = replace;
+                     const auto* tool = std::get_if<request::ReplaceTool>(&replace);
+                     for (std::size_t i = 0; i < hands_.size(); ++i) {
+                       if (tool == nullptr || tool->number == i) {
+                         hands_[i].leave();
+                       }
+                     }
+                     flags_ |= kTickSceneChanged;  // tools begin to fade
                    }
                  }},
       asked);
 }
 
 void HapticLoop::carryOut(const request::Replace& replace) noexcept {
-  std::visit(Overloaded{[this](const request::ReplaceTool& tool) { scene_->setTool(tool.tool); },
-                        [this](const request::ReplaceBed& next) {
-                          next.shown->scene.placeTool({{scene_->toolPose(), {}}, hand_.opening});
-                          scene_ = &next.shown->scene;
-                          scene_->bed().scheduleHelpers(helpers_);
-                          shown_.store(next.shown, std::memory_order_release);
-                        }},
-             replace);
   flags_ |= kTickSceneChanged;
-  output_ = {};
-  fade_.begin();
-  scene_->setToolFade(fade_.stiffnessShare());
+  const auto begin_again = [this](std::size_t tool) {
+    if (tool < hands_.size()) {
+      hands_[tool].restart();
+      scene_->setToolFade(hands_[tool].stiffnessShare(), tool);
+    }
+  };
+  if (const auto* tool = std::get_if<request::ReplaceTool>(&replace)) {
+    scene_->setTool(tool->tool, tool->number);
+    begin_again(tool->number);
+    return;
+  }
+  ShownScene* next = std::get<request::ReplaceBed>(replace).shown;
+  for (std::size_t i = 0; i < next->scene.tools(); ++i) {
+    if (i < hands_.size()) {
+      next->scene.placeTool({{scene_->toolPose(i), {}}, hands_[i].opening()}, i);
+    } else {
+      next->scene.setToolFade(0, i);
+    }
+  }
+  scene_ = &next->scene;
+  scene_->bed().scheduleHelpers(helpers_);
+  shown_.store(next, std::memory_order_release);
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    begin_again(i);
+  }
 }
 
 void HapticLoop::publish() noexcept {
@@ -355,12 +343,27 @@ void HapticLoop::publishEnd(LoopEnd end) noexcept {
 }
 
 void HapticLoop::tell(SceneSnapshot& snapshot) const noexcept {
+  HAPTO_ASSERT(snapshot.tools.size() == scene_->tools());
+  for (std::size_t i = 0; i < snapshot.tools.size(); ++i) {
+    const bool held = i < hands_.size();
+    snapshot.tools[i] = {.scene_T_tool = scene_->toolPose(i),
+                         .turned = scene_->turnedToolPose(i),
+                         .opening_m = scene_->opening(i),
+                         .joint = scene_->joint(i),
+                         .soil_wrench = scene_->soilWrench(i),
+                         .device_wrench_in_scene = held ? hands_[i].sentInScene() : Wrench{},
+                         .trip = held ? hands_[i].safety().trip() : SafetyTrip::kNone};
+  }
+  if (hands_.empty()) {
+    return;
+  }
+  const ToolHand& first = hands_.front();
   snapshot.scene_T_tool = scene_->toolPose();
   snapshot.soil_wrench = scene_->soilWrench();
-  snapshot.device_wrench = output_.wrench;
-  snapshot.device_wrench_in_scene = mapping_.turnedIntoScene(output_.wrench);
-  snapshot.trip = safety_.trip();
-  snapshot.trips = safety_.trips();
+  snapshot.device_wrench = first.sent();
+  snapshot.device_wrench_in_scene = first.sentInScene();
+  snapshot.trip = first.safety().trip();
+  snapshot.trips = first.safety().trips();
 }
 
 }  // namespace haptolith

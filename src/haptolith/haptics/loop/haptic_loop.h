@@ -2,35 +2,39 @@
 
 #include <boost/lockfree/spsc_queue.hpp>
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "haptolith/core/movement.h"
 #include "haptolith/device/haptic_device.h"
 #include "haptolith/haptics/loop/handling_parameters.h"
 #include "haptolith/haptics/loop/loop_clock.h"
 #include "haptolith/haptics/loop/loop_request.h"
 #include "haptolith/haptics/loop/loop_telemetry.h"
 #include "haptolith/haptics/loop/shown_scene.h"
-#include "haptolith/haptics/loop/tool_fade.h"
+#include "haptolith/haptics/loop/tool_hand.h"
 #include "haptolith/haptics/loop_parameters.h"
 #include "haptolith/haptics/real_time.h"
-#include "haptolith/haptics/safety/safety_layer.h"
 #include "haptolith/haptics/safety/trip_report.h"
-#include "haptolith/haptics/safety/watchdog.h"
 #include "haptolith/scene/scene.h"
 
 namespace haptolith {
 
-/// Soil and hand, joined at 1 kHz. Records and snapshots leave through lock-free queues, whose readers cannot delay a
+/// Soil and hands, joined at 1 kHz. Records and snapshots leave through lock-free queues, whose readers cannot delay a
 /// tick.
 class HapticLoop {
  public:
+  /// @param hands  of the scene's first tools; the others are not there (Scene::setToolFade()).
   /// @param keep_records  whether anyone will call takeRecords(); without, records are not kept.
-  /// @throws InvalidParameter as validate() of all parameters, and when the bed was made for another tick; Failure when
-  /// there is no thread for the watchdog of a person's device.
+  /// @throws InvalidParameter as validate() of all parameters, for more hands than tools, and when the bed was made for
+  /// another tick; Failure when there is no thread for the watchdog of a person's device.
+  HapticLoop(Scene& scene, std::span<const ToolHandling> hands, const LoopParameters& parameters, bool keep_records);
+
+  /// As above with the first tool's hand alone.
   HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
              const HandlingParameters& handling = {});
 
@@ -38,8 +42,9 @@ class HapticLoop {
   /// device has been given zero force.
   LoopEnd run(const std::atomic<bool>& stop) noexcept;
 
-  /// One tick without pacing: read device, move tool, step bed, sum wrench, filter, limit, send, publish. Does not
-  /// allocate, lock, throw, log or touch a file.
+  /// One tick without pacing: read devices, move tools, step bed, sum wrenches, filter, limit, send, publish. Does not
+  /// allocate, lock, throw, log or touch a file. A trip of one hand releases that hand only; the loop goes on until
+  /// every person's device is lost.
   LoopEnd tick() noexcept;
 
   /// Publishes a final, complete snapshot. To be called after the last tick(); run() does so itself.
@@ -51,12 +56,12 @@ class HapticLoop {
   [[nodiscard]] std::size_t hashedParts() const noexcept { return LoopTelemetry::hashedParts(scene_->bed()); }
 
   /// Before tick(): how the loop was doing when what is now replayed was recorded, instead of how it is doing now.
-  void overrideHealth(const LoopHealth& health) noexcept { overridden_health_ = health; }
+  void overrideHealth(const LoopHealth& health, std::size_t tool = 0) noexcept { overridden_health_[tool] = health; }
 
   /// Fades the force out because the run is about to end. From the loop's thread.
-  void softStop() noexcept { safety_.stop(); }
+  void softStop() noexcept;
 
-  /// For one other thread: moves all waiting records to the end of `records`.
+  /// For one other thread: moves all waiting records to the end of `records`: of each tick one for each hand, in order.
   void takeRecords(std::vector<TickRecord>& records) { telemetry_.takeRecords(records); }
   /// For one other thread: what led to the newest trip of the safety layer.
   [[nodiscard]] LatestValue<TripReport>& trips() noexcept { return telemetry_.trips(); }
@@ -73,6 +78,7 @@ class HapticLoop {
   /// Only after run() has returned.
   [[nodiscard]] const LoopStatistics& statistics() const noexcept { return telemetry_.statistics(); }
   [[nodiscard]] double time() const noexcept { return telemetry_.time(); }
+  [[nodiscard]] std::size_t hands() const noexcept { return hands_.size(); }
 
  private:
   [[nodiscard]] LoopEnd runTicks(const std::atomic<bool>& stop) noexcept;
@@ -80,37 +86,27 @@ class HapticLoop {
   void takeRequests() noexcept;
   void carryOut(const LoopRequest& asked) noexcept;
   void carryOut(const request::Replace& replace) noexcept;
-  [[nodiscard]] bool wasSilent() noexcept;
-  [[nodiscard]] LoopHealth health(bool silent) noexcept;
   void standStill() noexcept;
-  void resumeAfterStandstill() noexcept;
-  void followHand(const DeviceInput& input) noexcept;
-  void fadeTool() noexcept;
-  [[nodiscard]] LoopEnd moveTool() noexcept;
-  [[nodiscard]] Wrench toolWeight() const noexcept;
-  [[nodiscard]] LoopEnd endFor(SafetyTrip trip) const noexcept;
-  [[nodiscard]] LoopEnd finish(LoopEnd end, const DeviceInput& input, const DeviceOutput& rendered) noexcept;
+  [[nodiscard]] LoopEnd readHands() noexcept;
+  [[nodiscard]] LoopEnd moveTools() noexcept;
+  void fadeTools() noexcept;
+  [[nodiscard]] bool isGone(const request::Replace& replaced) const noexcept;
+  [[nodiscard]] bool softlyStopped() const noexcept;
+  [[nodiscard]] LoopEnd finish(LoopEnd end) noexcept;
   void publish() noexcept;
   void tell(SceneSnapshot& snapshot) const noexcept;
 
   ShownScene first_;
   std::atomic<ShownScene*> shown_;
   Scene* scene_;  ///< the rendered scene
-  HapticDevice& device_;
   LoopParameters parameters_;
-  Mapping mapping_;
-  Coupling coupling_;
-  SafetyLayer safety_;
-  std::optional<Watchdog> watchdog_;  ///< for a person's device, paced by the clock
+  std::deque<ToolHand> hands_;  ///< of the scene's first tools, in order; they do not move in memory
   LoopClock clock_;
-  ToolFade fade_;
   LoopTelemetry telemetry_;
   boost::lockfree::spsc_queue<LoopRequest> requests_;
-  std::optional<LoopHealth> overridden_health_;
-  HandState hand_;           ///< the last plausible one, in the scene
-  DeviceOutput output_;      ///< output of the last tick, device frame
+  std::optional<request::Replace> replacement_;  ///< that waits until its tools have left the soil
+  std::array<std::optional<LoopHealth>, ToolSet::kMost> overridden_health_;
   HelperSchedule helpers_;   ///< scheduling of the threads that share the bed's steps
-  bool released_ = false;    ///< the device gets no force, because time is paused
   std::uint32_t flags_ = 0;  ///< TickFlag of events before the current tick
 };
 

@@ -47,6 +47,7 @@ struct SetContact {  ///< whether the tool touches the soil: it fades into it, o
 // itself inside the tool is moved out of its way instead of shot.
 struct ReplaceTool {  ///< must be as stiff as the one before: see Scene::setTool()
   ToolParameters tool;
+  std::size_t number = 0;
 };
 struct ReplaceBed {
   ShownScene* shown = nullptr;

@@ -19,8 +19,8 @@ constexpr std::size_t kHashedAtOnce = 1024;
 
 }  // namespace
 
-LoopTelemetry::LoopTelemetry(double tick_s, bool keep_records)
-    : tick_s_(tick_s), keep_records_(keep_records), records_(kRecordsInFlight) {}
+LoopTelemetry::LoopTelemetry(double tick_s, bool keep_records, std::size_t hands)
+    : tick_s_(tick_s), keep_records_(keep_records), records_(kRecordsInFlight * hands), last_(hands) {}
 
 std::size_t LoopTelemetry::hashedParts(const Bed& bed) noexcept {
   return (bed.particles() + kHashedAtOnce - 1) / kHashedAtOnce;
@@ -31,35 +31,43 @@ bool LoopTelemetry::copiesInParts(const Bed& bed) noexcept {
 }
 
 void LoopTelemetry::record(const LoopClock& clock, const Scene& scene) noexcept {
-  TickRecord& now = draft();
-  statistics_.add(clock.tickUs(), clock.miss(), now.sent.wrench);
+  statistics_.add(clock.tickUs(), clock.miss(), draft(0).sent.wrench);  // counts: the drafts are the last ticks now
   longest_tick_us_ = std::max(longest_tick_us_, clock.tickUs());
-  now.time_s = time();
-  now.tick_us = clock.tickUs();
-  now.late_us = clock.lateUs();
-  now.flags |= clock.late() ? kTickLate : 0U;
-  now.soil = scene.soilWrench();
+  // A bed that has failed has been stepped in part only.
+  const std::size_t parts = hashedParts(scene.bed());
+  const bool hash = keep_records_ && hashes_ && (last(0).flags & kTickFailed) == 0;
+  const std::uint64_t state_hash = hash ? scene.hash(statistics_.ticks() % parts, parts) : 0;
+  for (std::size_t hand = 0; hand < last_.size(); ++hand) {
+    TickRecord& now = last(hand);
+    now.time_s = time();
+    now.tick_us = clock.tickUs();
+    now.late_us = clock.lateUs();
+    now.flags |= clock.late() ? kTickLate : 0U;
+    now.soil = hand < scene.tools() ? scene.soilWrench(hand) : Wrench{};
+    now.state_hash = state_hash;
+  }
   if (!keep_records_) {
     return;
   }
-  // A bed that has failed has been stepped in part only.
-  const std::size_t parts = hashedParts(scene.bed());
-  const bool hash = hashes_ && (now.flags & kTickFailed) == 0;
-  now.state_hash = hash ? scene.hash(statistics_.ticks() % parts, parts) : 0;
-  if (!records_.push(now)) {
+  if (records_.write_available() < last_.size()) {  // of a tick there are the records of all hands, or none
     lost_records_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  for (std::size_t hand = 0; hand < last_.size(); ++hand) {
+    (void)records_.push(last(hand));
   }
 }
 
-void LoopTelemetry::report(SafetyTrip trip, LoopEnd end) noexcept {
+void LoopTelemetry::report(std::size_t hand, SafetyTrip trip, LoopEnd end) noexcept {
   TripReport& report = trip_reports_.draft();
   const std::uint64_t ticks = statistics_.ticks();
   report.trip = trip;
+  report.tool = hand;
   report.end = end;
   report.time_s = time();
   report.count = std::min<std::uint64_t>(ticks, TripReport::kTicks);
   for (std::size_t i = 0; i < report.count; ++i) {
-    report.ticks[i] = last_[(ticks + 1 - report.count + i) % last_.size()];
+    report.ticks[i] = last_[hand][(ticks + 1 - report.count + i) % TripReport::kTicks];
   }
   trip_reports_.publish();
 }

@@ -22,7 +22,8 @@ namespace haptolith {
 class LoopTelemetry {
  public:
   /// @param keep_records  whether anyone will call takeRecords().
-  LoopTelemetry(double tick_s, bool keep_records);
+  /// @param hands  for each of which there is a record in each tick; at least 1.
+  LoopTelemetry(double tick_s, bool keep_records, std::size_t hands);
 
   /// Records hold hashes of the bed, of a part of it in each tick (see stateHash()).
   void hashRecords() noexcept { hashes_ = true; }
@@ -31,12 +32,14 @@ class LoopTelemetry {
   /// Whether a snapshot is copied in kTicksPerSnapshot parts, one in each tick, beginning with part 0.
   [[nodiscard]] static bool copiesInParts(const Bed& bed) noexcept;
 
-  /// The record of the present tick, to be filled before record(). It holds an old one.
-  [[nodiscard]] TickRecord& draft() noexcept { return last_[(statistics_.ticks() + 1) % last_.size()]; }
-  /// The present tick has ended: counts it, adds times, soil and hash to the draft, and hands that out.
+  /// A hand's record of the present tick, to be filled before record(). It holds an old one.
+  [[nodiscard]] TickRecord& draft(std::size_t hand) noexcept {
+    return last_[hand][(statistics_.ticks() + 1) % TripReport::kTicks];
+  }
+  /// The present tick has ended: counts it, adds times, soil and hash to the drafts, and hands them out.
   void record(const LoopClock& clock, const Scene& scene) noexcept;
-  /// Reports the ticks that led to the trip of the last tick.
-  void report(SafetyTrip trip, LoopEnd end) noexcept;
+  /// Reports the ticks that led to a hand's trip in the last tick.
+  void report(std::size_t hand, SafetyTrip trip, LoopEnd end) noexcept;
   /// A part of a snapshot of the scene, or the last one, which `rest` completes with what the bed does not know.
   template <class Rest>
   void publish(ShownScene& shown, const LoopClock& clock, const Rest& rest) noexcept {
@@ -64,11 +67,14 @@ class LoopTelemetry {
   [[nodiscard]] LatestValue<TripReport>& trips() noexcept { return trip_reports_; }
   [[nodiscard]] std::uint64_t lostRecords() const noexcept { return lost_records_.load(std::memory_order_relaxed); }
 
-  [[nodiscard]] bool full() const noexcept { return keep_records_ && records_.write_available() == 0; }
+  [[nodiscard]] bool full() const noexcept { return keep_records_ && records_.write_available() < last_.size(); }
   [[nodiscard]] const LoopStatistics& statistics() const noexcept { return statistics_; }
   [[nodiscard]] double time() const noexcept { return static_cast<double>(statistics_.ticks()) * tick_s_; }
 
  private:
+  [[nodiscard]] TickRecord& last(std::size_t hand) noexcept {
+    return last_[hand][statistics_.ticks() % TripReport::kTicks];
+  }
   [[nodiscard]] SceneSnapshot* copyPart(ShownScene& shown) noexcept;
   static void copyParts(SceneSnapshot& snapshot, const Scene& scene, std::size_t first, std::size_t last) noexcept;
   static void copyPart(SceneSnapshot& snapshot, const Scene& scene, std::size_t part) noexcept;
@@ -80,7 +86,7 @@ class LoopTelemetry {
   LoopStatistics statistics_;
   boost::lockfree::spsc_queue<TickRecord> records_;
   std::atomic<std::uint64_t> lost_records_{0};
-  std::array<TickRecord, TripReport::kTicks> last_;  ///< the last ticks, round and round
+  std::vector<std::array<TickRecord, TripReport::kTicks>> last_;  ///< the last ticks of each hand, round and round
   LatestValue<TripReport> trip_reports_;
   std::uint64_t published_ = 0;  ///< number of calls of publish()
   double longest_tick_us_ = 0;   ///< since the last snapshot, pauses excluded

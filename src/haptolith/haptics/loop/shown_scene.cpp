@@ -15,6 +15,7 @@ SceneSnapshot firstSnapshot(const Scene& scene) {
   }
   snapshot.copied_at.fill(bed.changes());
   snapshot.awake = bed.awake();
+  snapshot.tools.resize(scene.tools());
   return snapshot;
 }
 

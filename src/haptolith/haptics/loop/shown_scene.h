@@ -14,6 +14,18 @@ namespace haptolith {
 /// Ticks between two snapshots: 62 a second at 1 kHz.
 inline constexpr std::size_t kTicksPerSnapshot = 16;
 
+/// A tool in a picture of the scene.
+struct ShownTool {
+  Pose scene_T_tool;     ///< its hub's, if it has a joint
+  Pose turned;           ///< as its joint has turned it: where its shape is
+  double opening_m = 0;  ///< between jaws
+  JointState joint;
+  // Values of the last tick, also while time is paused and the device is sent zero.
+  Wrench soil_wrench;                   ///< soil on tool, about the tool's origin, scene frame, unfiltered
+  Wrench device_wrench_in_scene;        ///< device wrench in scene axes, with the device's magnitude
+  SafetyTrip trip = SafetyTrip::kNone;  ///< why its hand feels nothing just now
+};
+
 /// A picture of the scene for viewers, about 60 times a second. Each tick copies a part of a large bed, so
 /// that no tick is long: its first particles are then 15 ticks older than its last. Only what has changed is copied.
 struct SceneSnapshot {
@@ -35,6 +47,7 @@ struct SceneSnapshot {
   bool paused = false;
   SafetyTrip trip = SafetyTrip::kNone;                       ///< why the hand feels nothing just now
   std::uint32_t trips = 0;                                   ///< so far
+  std::vector<ShownTool> tools;                              ///< each of them, also the first
   std::array<std::uint64_t, kTicksPerSnapshot> copied_at{};  ///< Bed::changes() when each part was copied
 };
 

@@ -17,19 +17,17 @@ constexpr double kIn_s = 0.3;
 void ToolFade::begin() noexcept {
   ramp_.set(0);
   placed_ = false;
+  leaves_ = false;
 }
 
-std::optional<request::Replace> ToolFade::step(bool hand_feels, double speed) noexcept {
-  if (waiting_) {
+void ToolFade::step(bool hand_feels, double speed) noexcept {
+  if (leaves_) {
     ramp_.fall(tick_s_, kOut_s * speed);
-    return ramp_.share() == 0 ? std::exchange(waiting_, std::nullopt) : std::nullopt;
-  }
-  if (touches_ && hand_feels) {
+  } else if (touches_ && hand_feels) {
     ramp_.rise(tick_s_, kIn_s);
   } else {
     ramp_.fall(tick_s_, kOut_s);
   }
-  return std::nullopt;
 }
 
 bool ToolFade::takePlacing() noexcept {

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <optional>
-
 #include "haptolith/core/ramp.h"
-#include "haptolith/haptics/loop/loop_request.h"
 
 namespace haptolith {
 
@@ -19,12 +16,13 @@ class ToolFade {
   void begin() noexcept;
   /// Whether the tool is to be felt at all.
   void touch(bool on) noexcept { touches_ = on; }
-  /// Is given back by step() when the tool has faded. One at a time: not while waits().
-  void replaceWhenFaded(const request::Replace& next) noexcept { waiting_ = next; }
-  [[nodiscard]] bool waits() const noexcept { return waiting_.has_value(); }
+  /// The tool leaves the soil, because it or the bed is to be replaced, and stays out until begin().
+  void leave() noexcept { leaves_ = true; }
+  /// Whether it has left.
+  [[nodiscard]] bool gone() const noexcept { return leaves_ && ramp_.share() == 0; }
 
-  /// One tick. @param speed  of time. @return what is to be replaced now, once.
-  std::optional<request::Replace> step(bool hand_feels, double speed) noexcept;
+  /// One tick. @param speed  of time.
+  void step(bool hand_feels, double speed) noexcept;
 
   /// Present fraction of the tool's stiffness, for Scene::setToolFade().
   [[nodiscard]] double stiffnessShare() const noexcept { return ramp_.share() * ramp_.share(); }
@@ -37,7 +35,7 @@ class ToolFade {
   Ramp ramp_;
   bool touches_ = true;
   bool placed_ = false;
-  std::optional<request::Replace> waiting_;
+  bool leaves_ = false;
 };
 
 }  // namespace haptolith

@@ -28,6 +28,7 @@ struct TripReport {
   static constexpr std::size_t kTicks = 50;
 
   SafetyTrip trip = SafetyTrip::kNone;
+  std::size_t tool = 0;             ///< whose hand's trip it was
   LoopEnd end = LoopEnd::kRunning;  ///< end of the run, if the trip ended it
   double time_s = 0;
   std::size_t count = 0;
