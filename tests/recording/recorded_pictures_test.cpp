@@ -169,12 +169,12 @@ class RecordedPicturesTest : public testing::Test {
       EXPECT_FLOAT_EQ(picture.radius_m[i], static_cast<float>(radius_m) + was.position[i].w);
     }
     EXPECT_EQ(picture.contact_force_n, was.load_n);
-    ASSERT_TRUE(picture.tool);
-    EXPECT_EQ(picture.tool->pose.position_m, was.tool.position_m);
-    EXPECT_EQ(picture.tool->pose.orientation.coeffs(), was.tool.orientation.coeffs());
-    EXPECT_DOUBLE_EQ(picture.tool->opening_m, was.opening_m);
-    EXPECT_EQ(picture.tool->soil.force_n, was.soil.force_n);
-    EXPECT_EQ(picture.tool->soil.torque_nm, was.soil.torque_nm);
+    ASSERT_EQ(picture.tools.size(), 1U);
+    EXPECT_EQ(picture.tools.front().pose.position_m, was.tool.position_m);
+    EXPECT_EQ(picture.tools.front().pose.orientation.coeffs(), was.tool.orientation.coeffs());
+    EXPECT_DOUBLE_EQ(picture.tools.front().opening_m, was.opening_m);
+    EXPECT_EQ(picture.tools.front().soil.force_n, was.soil.force_n);
+    EXPECT_EQ(picture.tools.front().soil.torque_nm, was.soil.torque_nm);
   }
 
   void expectVelocitiesAsTheyWere(const ScenePicture& picture, std::size_t number) const {
@@ -281,7 +281,7 @@ TEST_F(RecordedPicturesTest, WhatSomebodyHasChangedIsNotGuessed) {
       EXPECT_TRUE(kIsUnknown(picture.radius_m));
       EXPECT_EQ(picture.contact_force_n.size(), picture.position_m.size());
       EXPECT_TRUE(kIsUnknown(picture.contact_force_n));
-      EXPECT_FALSE(picture.tool);
+      EXPECT_TRUE(picture.tools.empty());
     }
     EXPECT_EQ(all.why_not_replayed, replay ? "at 0.351 s a client changed the scene" : "");
   }
@@ -294,7 +294,7 @@ TEST_F(RecordedPicturesTest, APictureWhoseTickIsMissingHasNoTool) {
   ASSERT_EQ(all.pictures.size(), kPictures);
   EXPECT_EQ(all.replayed, 1U);
   EXPECT_THAT(all.why_not_replayed, HasSubstr("after 0.199 s ticks are missing"));
-  EXPECT_FALSE(all.pictures[1].tool);
+  EXPECT_TRUE(all.pictures[1].tools.empty());
   EXPECT_EQ(all.pictures[1].contact_force_n, moments_[1].load_n);
   expectAsItWas(all.pictures[2], 2, diggingScene().bed.soil.radius_m);
 }
@@ -319,7 +319,7 @@ TEST_F(RecordedPicturesTest, ASceneThatCannotBeReadLeavesThePositions) {
   ASSERT_EQ(all.pictures.size(), kPictures);
   EXPECT_EQ(all.pictures[1].position_m, frames_[1].position_m);
   EXPECT_TRUE(kIsUnknown(all.pictures[1].radius_m));
-  EXPECT_FALSE(all.pictures[1].tool);
+  EXPECT_TRUE(all.pictures[1].tools.empty());
 }
 
 TEST_F(RecordedPicturesTest, PositionsThatAreNoNumbersHaveNoContactForces) {

@@ -20,6 +20,7 @@
 
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/recording/recording_writer.h"
 #include "haptolith/soil/presets.h"
 
@@ -620,6 +621,112 @@ TEST(DeclaredLimitsText, GarbageIsRefused) {
     EXPECT_THAT([&] { (void)limitsOf(text); }, ThrowsMessage<Failure>(HasSubstr("limits of the recorded device")))
         << text;
   }
+}
+
+// --- several tools ---
+
+/// Two hands and a wheel that turns by itself, on the way to which the second hand trips twice.
+class ReplayOfTools : public ReplayTest {
+ protected:
+  static SceneFile scene() {
+    return sceneFileFromText(
+        "[bed]\nwidth_mm = 300\nparticles = 600\n[loop]\nreal_time = false\n"
+        "[safety]\nsoft_start_s = 0.1\nrecovery_s = 0.05\n[device]\nkind = 'network'\n"
+        "[[tools]]\nname = 'left'\n[tools.mapping]\noffset_mm = [-80, 0, 85]\n"
+        "[[tools]]\nname = 'right'\n[tools.mapping]\noffset_mm = [80, 0, 85]\n"
+        "[[tools]]\nname = 'wheel'\nshape = 'cylinder'\njoint_drive = 'torque'\njoint_axis = [0, 0, 1]\n"
+        "joint_torque_nm = 0.01\njoint_inertia_kg_m2 = 0.01\n"
+        "[tools.device]\nkind = 'virtual-hand'\n[tools.hand]\nmotion = 'press'\nturn_deg = [90, 0, 0]\n",
+        "three.toml");
+  }
+
+  void recordTools(int ticks) {
+    SceneFile scene_file = scene();
+    Scene soil(scene_file.bed, toolSet(scene_file));
+    const double surface_m = soil.bed().surfaceHeight();
+    const auto trips = [](int read, DeviceInput& input) {
+      if (read >= 200 && read < 220) {
+        input.state = DeviceState::kStale;
+      } else if (read == 400) {
+        input.pose.position_m.y() = std::nan("");
+      }
+    };
+    PersonsDevice left(nothingHappens, false), right(trips, false);
+    std::vector<HapticDevice*> devices{&left, &right};
+    scene_file.more_tools.back().hand.surface_m = surface_m;
+    VirtualHand script(scene_file.more_tools.back().hand, kTick_s);
+    devices.push_back(&script);
+    std::vector<ToolHandling> hands;
+    std::vector<RecordedTool> tools;
+    for (std::size_t i = 0; i < devices.size(); ++i) {
+      exchangeFirst(scene_file, i);
+      hands.push_back({devices[i], handlingOf(scene_file, surface_m)});
+      tools.push_back({scene_file.tool_name, std::string(devices[i]->name()),
+                       limitsText(devices[i]->limits(), devices[i]->simulated()), scene_file.tool.joint.any()});
+      exchangeFirst(scene_file, i);
+    }
+    HapticLoop loop(soil, hands, scene_file.loop, true);
+    loop.hashRecords();
+    tickTimes(loop, ticks);
+    loop.takeRecords(ticks_);
+    header_.scene_file = sceneFileText(scene_file);
+    header_.arithmetic = arithmetic();
+    header_.device = tools.front().device;
+    header_.device_limits = tools.front().device_limits;
+    header_.hashed_parts = loop.hashedParts();
+    header_.tools = toolsText(tools);
+  }
+
+  static constexpr double kTick_s = 1e-3;
+};
+
+TEST_F(ReplayOfTools, ComesOutBitForBitAndHasEveryColumn) {
+  recordTools(600);
+  const RecordingReader reader = recording();
+  ASSERT_EQ(reader.tools().size(), 3U);
+  EXPECT_EQ(reader.tools()[1].name, "right");
+  EXPECT_TRUE(reader.tools()[2].has_joint);
+  ASSERT_EQ(reader.ticks(), 600U);
+  for (std::size_t tool = 0; tool < 3; ++tool) {
+    const std::vector<TickRecord> rows = reader.readTicks(0, 600, tool);
+    ASSERT_EQ(rows.size(), 600U);
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const TickRecord& was = ticks_[3 * row + tool];
+      ASSERT_EQ(rows[row].soil.force_n, was.soil.force_n);
+      ASSERT_EQ(rows[row].joint.angle_rad, was.joint.angle_rad);
+      ASSERT_EQ(rows[row].joint.soil_torque_nm, was.joint.soil_torque_nm);
+      ASSERT_EQ(rows[row].trip, was.trip);
+      ASSERT_EQ(rows[row].tool, tool);
+    }
+  }
+  EXPECT_NE(ticks_.back().joint.angle_rad, 0);
+  const auto trips_of = [&](std::size_t tool) {
+    return std::ranges::count_if(ticks_, [tool](const TickRecord& t) { return t.tool == tool && t.trip != 0; });
+  };
+  EXPECT_EQ(trips_of(0), 0);
+  EXPECT_GT(trips_of(1), 50);
+  const ReplayResult result = replayed(1);
+  EXPECT_EQ(result.ticks, 600U);
+  EXPECT_THAT(result.ended_early, IsEmpty());
+  EXPECT_FALSE(result.difference) << result.difference->what << " in tick " << result.difference->tick;
+}
+
+TEST_F(ReplayOfTools, ADifferenceNamesItsTool) {
+  recordTools(100);
+  ticks_[3 * 50 + 1].soil.force_n.x() += 1e-15;
+  ASSERT_TRUE(replayed().difference);
+  EXPECT_EQ(replayed().difference->what, "right: soil wrench");
+  EXPECT_EQ(replayed().difference->tick, 50U);
+  ticks_[3 * 40 + 2].joint.angle_rad += 1e-12;
+  EXPECT_EQ(replayed().difference->what, "wheel: joint");
+}
+
+TEST_F(ReplayOfTools, RefusesAHeaderWithOtherTools) {
+  recordTools(5);
+  header_.tools = toolsText({{"left", "a", header_.device_limits}, {"right", "b", header_.device_limits}});
+  EXPECT_THAT([&] { (void)replayed(); }, ThrowsMessage<Failure>(HasSubstr("it has 2 tools of 3")));
+  header_.tools = R"([{"name": "../etc"}])";
+  EXPECT_THAT([&] { (void)recording(); }, ThrowsMessage<Failure>(HasSubstr("no list of tools")));
 }
 
 }  // namespace

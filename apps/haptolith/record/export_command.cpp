@@ -1,9 +1,12 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,6 +16,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/files/atomic_folder.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/lammps/lammps_law.h"
 #include "haptolith/recording/export_pictures.h"
@@ -53,7 +57,7 @@ the run is replayed to compute them, which takes as long as a run with --no-real
 constexpr std::uint64_t kBlock = 4096;  // number of rows read at a time
 
 struct ExportOptions {
-  std::string file, format, out;
+  std::string file, format, out, tool;
   bool no_replay = false;
   std::vector<std::string> overrides;
   double from_s = 0, duration_s = 1;
@@ -70,17 +74,31 @@ fs::path outFor(const ExportOptions& options, std::string_view ending) {
   return (file.extension() == ".h5" ? fs::path(file).replace_extension() : file).string() + std::string(ending);
 }
 
+/// The number of the tool that was asked for.
+std::size_t toolOf(const RecordingReader& recording, const ExportOptions& options) {
+  const std::vector<RecordedTool>& tools = recording.tools();
+  const auto found = options.tool.empty() ? tools.begin() : std::ranges::find(tools, options.tool, &RecordedTool::name);
+  if (found == tools.end()) {
+    std::vector<std::string_view> names;
+    std::ranges::transform(tools, std::back_inserter(names), &RecordedTool::name);
+    throw InvalidParameter("tool", inQuotes(options.tool), fmt::format("one of {}", fmt::join(names, ", ")));
+  }
+  return static_cast<std::size_t>(found - tools.begin());
+}
+
 /// Writes one row per tick; numbers are read back bit-identically.
 void exportCsv(const RecordingReader& recording, const ExportOptions& options) {
+  const std::size_t tool = toolOf(recording, options);
+  const bool has_joint = recording.tools()[tool].has_joint;
   const fs::path out = outFor(options, ".csv");
   AtomicFile file(options.overwrite(out.string()));
   StatusLine status;
-  std::string text = csvHeader(tickColumns());
+  std::string text = csvHeader(has_joint ? tickColumnsWithJoint() : tickColumns());
   for (std::uint64_t first = 0; first < recording.ticks(); first += kBlock) {
     status.tell([&] { return fmt::format("tick {} of {}", first, recording.ticks()); });
     throwIfStopped();
-    for (const TickRecord& tick : recording.readTicks(first, kBlock)) {
-      appendCsv(text, tick);
+    for (const TickRecord& tick : recording.readTicks(first, kBlock, tool)) {
+      appendCsv(text, tick, has_joint);
     }
     file.write(text);
     text.clear();
@@ -231,6 +249,8 @@ void addExportCommand(CLI::App& app) {
       ->add_option("--out", options->out,
                    "Output file; a new folder for xdmf, vtk and lammps [named after the recording]")
       ->option_text("PATH");
+  command->add_option("--tool", options->tool, "For csv: the tool, where there are several [the first]")
+      ->option_text("NAME");
   command->add_flag("--no-replay", options->no_replay, "Do not replay the run; export without velocities");
   command->add_option("--set", options->overrides, "For lammps: set a key of the scene; can be repeated")
       ->option_text("TABLE.KEY=VALUE");

@@ -85,7 +85,12 @@ void exportScene(const LammpsExportOptions& options) {
 }
 
 /// Returns the tool's path from a time. @throws Failure if the scene was changed after it.
-std::vector<TimedPose> pathOf(const RecordingReader& recording, double from_s) {
+std::vector<TimedPose> pathOf(const RecordingReader& recording, const SceneFile& scene, double from_s) {
+  if (recording.tools().size() > 1) {
+    throw Failure(fmt::format("cannot export to LAMMPS: the recording has {} tools, and LAMMPS is given one",
+                              recording.tools().size()));
+  }
+  const Joint& joint = scene.tool.joint;
   std::vector<TimedPose> path;
   for (std::uint64_t first = 0; first < recording.ticks(); first += kPicturesAtOnce) {
     for (const TickRecord& tick : recording.readTicks(first, kPicturesAtOnce)) {
@@ -98,7 +103,8 @@ std::vector<TimedPose> pathOf(const RecordingReader& recording, double from_s) {
                         "soil or another tool",
                         tick.time_s));
       }
-      path.push_back({tick.time_s, tick.scene_T_tool});
+      path.push_back(
+          {tick.time_s, joint.any() ? turned(tick.scene_T_tool, joint, tick.joint.angle_rad) : tick.scene_T_tool});
     }
   }
   if (path.size() < 2) {
@@ -114,7 +120,7 @@ void exportRecorded(const LammpsExportOptions& options) {
   const RecordingReader recording(options.file);
   StatusLine status;
   Replay replay(recording, {}, settlingIn(status));
-  const std::vector<TimedPose> path = pathOf(recording, options.from_s);
+  const std::vector<TimedPose> path = pathOf(recording, replay.sceneFile(), options.from_s);
   if (options.from_s > 0) {
     bool is_there = false;
     const ReplayResult result = replay.run([&](const TickRecord& was, const TickRecord&) {

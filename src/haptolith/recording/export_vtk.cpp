@@ -29,22 +29,26 @@ VtuFile particlesFile(const ScenePicture& picture) {
 }  // namespace
 
 void exportVtk(RecordedPictures& pictures, const AtomicFolder& folder) {
-  VtkCollection particles, tools, stones;
+  VtkCollection particles, stones;
+  const ToolSet parameters = pictures.sceneFile() ? toolSet(*pictures.sceneFile()) : ToolSet();
+  const std::vector<std::string> tool_names = toolFileNames(pictures);
+  std::vector<VtkCollection> tools(tool_names.size());
   BoxMesh box;
   std::size_t number = 0;
   pictures.forEach([&](const ScenePicture& picture) {
     const std::string name = fmt::format("particles-{:06}.vtu", number);
     folder.write(name, particlesFile(picture).text());
     particles.add(picture.time_s, name);
-    if (picture.tool) {
-      VtuFile tool(toolMesh(pictures.sceneFile()->tool, *picture.tool));
+    for (std::size_t i = 0; i < picture.tools.size(); ++i) {
+      const PicturedTool& at = picture.tools[i];
+      VtuFile tool(toolMesh(parameters.all()[i], at));
       tool.addTime(picture.time_s);
-      for (const NamedNumbers& numbers : numbersOf(*picture.tool)) {
+      for (const NamedNumbers& numbers : numbersOf(at, parameters.all()[i])) {
         tool.addNumbers(numbers);
       }
-      const std::string tool_name = fmt::format("tool-{:06}.vtu", number);
+      const std::string tool_name = fmt::format("{}-{:06}.vtu", tool_names[i], number);
       folder.write(tool_name, tool.text());
-      tools.add(picture.time_s, tool_name);
+      tools[i].add(picture.time_s, tool_name);
     }
     if (!picture.stones.empty()) {
       VtuFile stones_file(stonesMesh(picture.stones));
@@ -57,8 +61,10 @@ void exportVtk(RecordedPictures& pictures, const AtomicFolder& folder) {
     ++number;
   });
   folder.write("particles.pvd", particles.text());
-  if (!tools.empty()) {
-    folder.write("tool.pvd", tools.text());
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    if (!tools[i].empty()) {
+      folder.write(tool_names[i] + ".pvd", tools[i].text());
+    }
   }
   if (!stones.empty()) {
     folder.write("stones.pvd", stones.text());

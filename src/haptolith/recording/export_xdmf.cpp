@@ -152,12 +152,16 @@ class XdmfFolder {
     data_.writeText("schema", "haptolith pictures");
     data_.writeText("title", pictures.header().title);
     data_.writeText("scenario", pictures.header().scene_file);
+    const std::vector<std::string> names = toolFileNames(pictures);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      tools_.push_back({names[i], toolSet(*pictures.sceneFile()).all()[i]});
+    }
   }
 
   void add(const ScenePicture& picture) {
     addParticles(picture);
-    if (picture.tool) {
-      addTool(picture, *picture.tool);
+    for (std::size_t i = 0; i < picture.tools.size(); ++i) {
+      addTool(picture, i);
     }
     if (!picture.stones.empty()) {
       addStones(picture);
@@ -171,8 +175,10 @@ class XdmfFolder {
     data_.write("/time_s", times_s_, 0);
     data_.write("/tick", ticks_, 0);
     folder_.write("particles.xdmf", overTime("particles", particles_));
-    if (!tools_.empty()) {
-      folder_.write("tool.xdmf", overTime("tool", tools_));
+    for (const Tool& tool : tools_) {
+      if (!tool.grids.empty()) {
+        folder_.write(tool.name + ".xdmf", overTime(tool.name.c_str(), tool.grids));
+      }
     }
     if (!stones_.empty()) {
       folder_.write("stones.xdmf", overTime("stones", stones_));
@@ -205,17 +211,21 @@ class XdmfFolder {
     particles_ += grid("particles", timeElement(picture.time_s), content);
   }
 
-  void addTool(const ScenePicture& picture, const PicturedTool& at) {
-    const PictureMesh tool = toolMesh(pictures_.sceneFile()->tool, at);
-    if (triangles_.empty()) {
-      triangles_ = topology("Triangle", 3, tool.cells.size() / 3, data_.write("/tool/triangles", tool.cells, 3));
+  void addTool(const ScenePicture& picture, std::size_t number) {
+    const PicturedTool& at = picture.tools[number];
+    Tool& tool = tools_.at(number);
+    const PictureMesh mesh = toolMesh(tool.parameters, at);
+    if (tool.triangles.empty()) {
+      tool.triangles = topology("Triangle", 3, mesh.cells.size() / 3,
+                                data_.write(fmt::format("/{}/triangles", tool.name), mesh.cells, 3));
     }
     std::string content =
-        triangles_ + geometry(data_.write(fmt::format("/tool/{:06}/points_m", times_s_.size()), tool.point_m));
-    for (const NamedNumbers& numbers : numbersOf(at)) {
+        tool.triangles +
+        geometry(data_.write(fmt::format("/{}/{:06}/points_m", tool.name, times_s_.size()), mesh.point_m));
+    for (const NamedNumbers& numbers : numbersOf(at, tool.parameters)) {
       content += attributeOf(numbers);
     }
-    tools_ += grid("tool", timeElement(picture.time_s), content);
+    tool.grids += grid(tool.name.c_str(), timeElement(picture.time_s), content);
   }
 
   void addStones(const ScenePicture& picture) {
@@ -247,7 +257,13 @@ class XdmfFolder {
   const AtomicFolder& folder_;
   DataFile data_;
   std::map<std::size_t, Numbering> numberings_;
-  std::string triangles_, stone_triangles_, particles_, tools_, stones_;
+  struct Tool {
+    std::string name;
+    ToolParameters parameters;
+    std::string triangles = {}, grids = {};
+  };
+  std::vector<Tool> tools_;
+  std::string stone_triangles_, particles_, stones_;
   BoxMesh box_;
   std::vector<double> times_s_;
   std::vector<std::uint64_t> ticks_;

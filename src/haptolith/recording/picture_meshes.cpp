@@ -36,13 +36,35 @@ void append(PictureMesh& mesh, const std::vector<Vec3>& points_m,
 
 }  // namespace
 
-std::vector<NamedNumbers> numbersOf(const PicturedTool& tool) {
-  const Quat& q = tool.pose.orientation;
-  return {{"tool_position_m", values(tool.pose.position_m)},
-          {"tool_orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
-          {"tool_opening_m", {tool.opening_m}},
-          {"soil_force_n", values(tool.soil.force_n)},
-          {"soil_torque_nm", values(tool.soil.torque_nm)}};
+std::vector<NamedNumbers> numbersOf(const PicturedTool& at, const ToolParameters& tool) {
+  const Quat& q = at.hub.orientation;
+  std::vector<NamedNumbers> numbers{{"tool_position_m", values(at.hub.position_m)},
+                                    {"tool_orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+                                    {"tool_opening_m", {at.opening_m}},
+                                    {"soil_force_n", values(at.soil.force_n)},
+                                    {"soil_torque_nm", values(at.soil.torque_nm)}};
+  if (tool.joint.any()) {
+    numbers.push_back({"joint_angle_rad", {at.joint.angle_rad}});
+    numbers.push_back({"joint_speed_rad_s", {at.joint.speed_rad_s}});
+    numbers.push_back({"joint_soil_torque_nm", {at.joint.soil_torque_nm}});
+    numbers.push_back({"joint_motor_torque_nm", {at.joint.motor_torque_nm}});
+  }
+  return numbers;
+}
+
+std::vector<std::string> toolFileNames(const RecordedPictures& pictures) {
+  if (!pictures.sceneFile()) {
+    return {};
+  }
+  const std::vector<std::string_view> names = toolNames(*pictures.sceneFile());
+  if (names.size() == 1) {
+    return {"tool"};
+  }
+  std::vector<std::string> files;
+  for (const std::string_view name : names) {
+    files.push_back(fmt::format("tool-{}", name));
+  }
+  return files;
 }
 
 PictureMesh toolMesh(const ToolParameters& tool, const PicturedTool& at) {

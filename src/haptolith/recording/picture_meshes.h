@@ -24,7 +24,10 @@ struct NamedNumbers {
   const char* name;
   std::vector<double> values;
 };
-[[nodiscard]] std::vector<NamedNumbers> numbersOf(const PicturedTool& tool);
+[[nodiscard]] std::vector<NamedNumbers> numbersOf(const PicturedTool& at, const ToolParameters& tool);
+
+/// Of each tool, the name of its files: "tool" for the only one, else "tool-left".
+[[nodiscard]] std::vector<std::string> toolFileNames(const RecordedPictures& pictures);
 
 /// The tool's surface as triangles.
 [[nodiscard]] PictureMesh toolMesh(const ToolParameters& tool, const PicturedTool& at);

@@ -135,18 +135,18 @@ void RecordedPictures::forEach(const Take& take) {
 }
 
 void RecordedPictures::takeReplayed(const Take& take) {
-  const auto take_next = [&](const TickRecord* tick) {
-    take(replayedPicture(rows_[next_], tick));
+  const auto take_next = [&](bool has_tick) {
+    take(replayedPicture(rows_[next_], has_tick));
     ++next_;
     ++replayed_;
   };
   while (next_ < rows_.size() && numberOf(rows_[next_].time_s) == 0) {
-    take_next(nullptr);
+    take_next(false);
   }
   const ReplayResult result = replay_->run([&](const TickRecord& was, const TickRecord&) {
     goOn(was.time_s);
     while (next_ < rows_.size() && numberOf(rows_[next_].time_s) == numberOf(was.time_s)) {
-      take_next(&was);
+      take_next(true);
     }
     return next_ < rows_.size();
   });
@@ -157,29 +157,42 @@ void RecordedPictures::takeReplayed(const Take& take) {
 
 void RecordedPictures::takeRecorded(const Take& take) {
   bool scene_known = scene_file_.has_value();
-  const auto take_next = [&](const TickRecord* tick) {
+  const auto take_next = [&](std::span<const TickRecord> of_tools) {
     goOn(rows_[next_].time_s);
-    take(recordedPicture(rows_[next_], tick, scene_known));
+    take(recordedPicture(rows_[next_], of_tools, scene_known));
     ++next_;
   };
+  const std::size_t tools = recording_.tools().size();
+  std::vector<TickRecord> of_tools;  // of a tick
   for (std::uint64_t first = 0; first < recording_.ticks() && next_ < rows_.size(); first += kBlock) {
-    for (const TickRecord& tick : recording_.readTicks(first, kBlock)) {
+    std::vector<std::vector<TickRecord>> ticks;
+    for (std::size_t tool = 0; tool < tools; ++tool) {
+      ticks.push_back(recording_.readTicks(first, kBlock, tool));
+    }
+    for (std::size_t row = 0; row < ticks.front().size(); ++row) {
+      const TickRecord& tick = ticks.front()[row];
       const std::uint64_t number = numberOf(tick.time_s);
       while (next_ < rows_.size() && numberOf(rows_[next_].time_s) < number) {
-        take_next(nullptr);
+        take_next({});
       }
       scene_known = scene_known && (tick.flags & kTickSceneChanged) == 0;
+      of_tools.clear();
+      for (const std::vector<TickRecord>& of_tool : ticks) {
+        if (row < of_tool.size()) {
+          of_tools.push_back(of_tool[row]);
+        }
+      }
       while (next_ < rows_.size() && numberOf(rows_[next_].time_s) == number) {
-        take_next(&tick);
+        take_next(of_tools.size() == tools ? of_tools : std::span<const TickRecord>());
       }
     }
   }
   while (next_ < rows_.size()) {
-    take_next(nullptr);
+    take_next({});
   }
 }
 
-ScenePicture RecordedPictures::replayedPicture(const FrameRow& row, const TickRecord* tick) {
+ScenePicture RecordedPictures::replayedPicture(const FrameRow& row, bool has_tick) {
   const Scene& scene = replay_->loop().shownScene().scene;
   const std::span<const Float4> position(scene.bed().state().position.data(), scene.bed().particles());
   ScenePicture picture = pictureAt(row);
@@ -190,13 +203,18 @@ ScenePicture RecordedPictures::replayedPicture(const FrameRow& row, const TickRe
   for (std::size_t stone = 0; stone < stones.size(); ++stone) {
     picture.stones.push_back({stones.pose(stone), stones.shape(stone)});
   }
-  if (tick != nullptr) {
-    picture.tool = {.pose = scene.toolPose(), .opening_m = scene.opening(), .soil = scene.soilWrench()};
+  for (std::size_t i = 0; has_tick && i < scene.tools(); ++i) {
+    picture.tools.push_back({.pose = scene.turnedToolPose(i),
+                             .opening_m = scene.opening(i),
+                             .soil = scene.soilWrench(i),
+                             .hub = scene.toolPose(i),
+                             .joint = scene.joint(i)});
   }
   return picture;
 }
 
-ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRecord* tick, bool scene_known) {
+ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, std::span<const TickRecord> of_tools,
+                                               bool scene_known) {
   ScenePicture picture = pictureAt(row);
   picture.position_m = recording_.readFrame(row).position_m;
   const std::size_t count = picture.position_m.size();
@@ -215,10 +233,25 @@ ScenePicture RecordedPictures::recordedPicture(const FrameRow& row, const TickRe
     position[i] = {x, y, z, i < excess_m.size() ? excess_m[i] : kUnknown};
   }
   addContacts(picture, scene_file_->bed, position);
-  if (tick != nullptr) {
-    picture.tool = {.pose = tick->scene_T_tool, .opening_m = openingOf(*scene_file_, *tick), .soil = tick->soil};
+  if (of_tools.size() <= toolCount(*scene_file_)) {
+    for (std::size_t i = 0; i < of_tools.size(); ++i) {
+      picture.tools.push_back(picturedTool(i, of_tools[i]));
+    }
   }
   return picture;
+}
+
+PicturedTool RecordedPictures::picturedTool(std::size_t number, const TickRecord& tick) {
+  exchangeFirst(*scene_file_, number);
+  const Joint& joint = scene_file_->tool.joint;
+  const PicturedTool tool{
+      .pose = joint.any() ? turned(tick.scene_T_tool, joint, tick.joint.angle_rad) : tick.scene_T_tool,
+      .opening_m = openingOf(*scene_file_, tick),
+      .soil = tick.soil,
+      .hub = tick.scene_T_tool,
+      .joint = tick.joint};
+  exchangeFirst(*scene_file_, number);
+  return tool;
 }
 
 /// A bed that is packed or rains draws its grains' radii by its seed and their number alone, wherever they lie. Which

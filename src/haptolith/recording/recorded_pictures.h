@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,13 @@
 
 namespace haptolith {
 
-/// Pose of the tool at the end of a tick, and soil wrench on it; scene frame.
+/// A tool at the end of a tick, and soil wrench on it; scene frame.
 struct PicturedTool {
-  Pose pose;             ///< scene_T_tool
-  double opening_m = 0;  ///< between jaws; 0 for another tool
-  Wrench soil;           ///< soil wrench, about the tool's origin, scene frame
+  Pose pose;              ///< scene_T_tool, as its joint has turned it
+  double opening_m = 0;   ///< between jaws; 0 for another tool
+  Wrench soil;            ///< soil wrench, about the tool's origin (its hub's, if it has a joint), scene frame
+  Pose hub = pose;        ///< scene_T_hub, which the hand holds; the pose without a joint
+  JointState joint = {};  ///< zero without one
 };
 
 /// A stone where it is at the end of a tick.
@@ -38,7 +41,7 @@ struct ScenePicture {
   std::vector<std::array<float, 3>> velocity_m_s;  ///< NaN where the recording could not be replayed
   std::vector<float> radius_m;                     ///< NaN if the scene had been changed before
   std::vector<float> contact_force_n;              ///< contactLoads(); NaN as radius_m
-  std::optional<PicturedTool> tool;                ///< none when its tick is missing or the scene was changed
+  std::vector<PicturedTool> tools;                 ///< none when the tick is missing or the scene was changed
   std::vector<PicturedStone> stones;               ///< none where the recording could not be replayed
 };
 
@@ -80,8 +83,10 @@ class RecordedPictures {
   [[nodiscard]] std::uint64_t numberOf(double time_s) const noexcept;
   void takeReplayed(const Take& take);
   void takeRecorded(const Take& take);
-  [[nodiscard]] ScenePicture replayedPicture(const FrameRow& row, const TickRecord* tick);
-  [[nodiscard]] ScenePicture recordedPicture(const FrameRow& row, const TickRecord* tick, bool scene_known);
+  [[nodiscard]] ScenePicture replayedPicture(const FrameRow& row, bool has_tick);
+  [[nodiscard]] ScenePicture recordedPicture(const FrameRow& row, std::span<const TickRecord> of_tools,
+                                             bool scene_known);
+  [[nodiscard]] PicturedTool picturedTool(std::size_t number, const TickRecord& tick);
   [[nodiscard]] const std::vector<float>& radiusExcesses(const std::vector<std::array<float, 3>>& position_m);
   void goOn(double time_s) const;
 

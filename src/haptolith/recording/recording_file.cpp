@@ -209,6 +209,7 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
                        .memory_type = siteType(Place::kMemory),
                        .chunk_rows = kSiteRowsPerChunk});
     }
+    makeTools(header);
     done(H5Fstart_swmr_write(file_.id()), "start writing");
     std::error_code failed;
     fs::rename(making, path_, failed);
@@ -224,8 +225,42 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
   }
 }
 
+void RecordingFile::makeTools(const RecordingHeader& header) {
+  const std::vector<RecordedTool> tools = toolsOf(header);
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    Tool& tool = tools_.emplace_back();
+    const std::string group = fmt::format("{}/{}/", kTools, tools[i].name);
+    const auto make = [&](std::optional<Growing>& table, const char* name, Handle in_file, Handle in_memory) {
+      table.emplace(file_, (group + name).c_str(),
+                    Growing::Layout{.file_type = std::move(in_file),
+                                    .memory_type = std::move(in_memory),
+                                    .chunk_rows = ticks_per_chunk_,
+                                    .deflated = true});
+      all_.push_back(&*table);
+    };
+    if (i > 0) {
+      make(tool.ticks, "ticks", tickType(Place::kFile), tickType(Place::kMemory));
+    }
+    if (tools[i].has_joint) {
+      make(tool.joint, "joint", jointType(Place::kFile), jointType(Place::kMemory));
+    }
+  }
+}
+
 void RecordingFile::take(const Batch& batch) {
   for (const TickRecord& tick : batch.ticks) {
+    if (tick.tool < tools_.size()) {
+      Tool& tool = tools_[tick.tool];
+      if (tool.ticks) {
+        tool.unwritten_ticks.push_back(tick);
+      }
+      if (tool.joint) {
+        tool.unwritten_joint.push_back({tick.time_s, tick.joint});
+      }
+    }
+    if (tick.tool != 0) {
+      continue;
+    }
     const std::uint64_t number = tickNumber(tick.time_s, tick_s_);
     const bool begins = last_number_ == 0 && !whole_run_;
     if (!begins && number > last_number_ + 1) {
@@ -289,6 +324,17 @@ void RecordingFile::write(std::size_t ticks) {
     throw Failure("the file was removed");
   }
   ticks_.append(unwritten_ticks_.data(), ticks);
+  const auto append_some = [ticks](std::optional<Growing>& table, auto& rows) {
+    if (table) {
+      const std::size_t count = std::min(ticks, rows.size());
+      table->append(rows.data(), count);
+      rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+  };
+  for (Tool& tool : tools_) {
+    append_some(tool.ticks, tool.unwritten_ticks);
+    append_some(tool.joint, tool.unwritten_joint);
+  }
   position_.append(unwritten_positions_.data(), unwritten_positions_.size());
   frames_.append(unwritten_frames_.data(), unwritten_frames_.size());
   events_.append(unwritten_events_.data(), unwritten_events_.size());

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "haptolith/recording/recording_types.h"
@@ -90,6 +92,7 @@ class RecordingFile {
   [[nodiscard]] std::uint64_t missing() const noexcept { return missing_; }
 
  private:
+  void makeTools(const RecordingHeader& header);
   void write(std::size_t ticks);
   [[nodiscard]] int descriptor() const;
   void noteMissing(std::uint64_t ticks, double time_s);
@@ -102,6 +105,13 @@ class RecordingFile {
   double last_time_s_ = 0;
   Handle file_;
   Growing ticks_, position_, frames_, events_, reports_, site_;
+  /// Tables of a tool, beside those that all tools share.
+  struct Tool {
+    std::optional<Growing> ticks, joint;  ///< none of the first tool, or without a joint
+    std::vector<TickRecord> unwritten_ticks = {};
+    std::vector<JointRow> unwritten_joint = {};
+  };
+  std::deque<Tool> tools_;
   std::vector<Growing*> all_;  ///< that the file has; positions before the frames that point at them
 
   std::vector<TickRecord> unwritten_ticks_;

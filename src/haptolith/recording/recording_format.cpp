@@ -13,6 +13,7 @@
 
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
 
@@ -63,6 +64,36 @@ SoilAdjustment adjustmentOf(const RecordingEvent& event) {
   } catch (const nlohmann::json::exception&) {
     throw Failure(fmt::format("the recording's event at {:.3f} s has a malformed soil: {}", event.time_s, event.text));
   }
+}
+
+std::string toolsText(const std::vector<RecordedTool>& tools) {
+  nlohmann::ordered_json json = nlohmann::json::array();
+  for (const RecordedTool& tool : tools) {
+    json.push_back({{"name", tool.name},
+                    {"device", tool.device},
+                    {"device_limits", tool.device_limits},
+                    {"has_joint", tool.has_joint}});
+  }
+  return json.dump();
+}
+
+std::vector<RecordedTool> toolsOf(const RecordingHeader& header) {
+  if (header.tools.empty()) {
+    return {{std::string(SceneFile::kFirstToolName), header.device, header.device_limits}};
+  }
+  std::vector<RecordedTool> tools;
+  try {
+    for (const auto& json : nlohmann::json::parse(header.tools)) {
+      tools.push_back({json.at("name"), json.at("device"), json.at("device_limits"), json.at("has_joint")});
+      requireToolName(tools.back().name);  // a group has it
+    }
+  } catch (const std::exception&) {
+    tools.clear();
+  }
+  if (tools.empty() || tools.size() > ToolSet::kMost) {
+    throw Failure("tools in its header is no list of tools");
+  }
+  return tools;
 }
 
 std::string grainMoveText(const GrainMove& move) {
@@ -142,7 +173,7 @@ class ColumnList {
   std::vector<RecordColumn> columns_;
 };
 
-std::vector<RecordColumn> makeTickColumns() {
+std::vector<RecordColumn> makeTickColumns(bool with_joint = false) {
   ColumnList<TickRecord> list;
   const TickRecord& tick = list.record();
   list.add("t_s", tick.time_s);
@@ -163,6 +194,12 @@ std::vector<RecordColumn> makeTickColumns() {
   list.add("state_hash", tick.state_hash);
   list.add("flags", tick.flags);
   list.add("trip", tick.trip);
+  if (with_joint) {
+    list.add("joint_angle_rad", tick.joint.angle_rad);
+    list.add("joint_speed_rad_s", tick.joint.speed_rad_s);
+    list.add("joint_soil_torque_nm", tick.joint.soil_torque_nm);
+    list.add("joint_motor_torque_nm", tick.joint.motor_torque_nm);
+  }
   return std::move(list).columns();
 }
 
@@ -206,8 +243,8 @@ std::string csvHeader(const std::vector<RecordColumn>& columns) {
   return text + '\n';
 }
 
-void appendCsv(std::string& text, const TickRecord& record) {
-  appendLine(text, tickColumns(), record);
+void appendCsv(std::string& text, const TickRecord& record, bool with_joint) {
+  appendLine(text, with_joint ? tickColumnsWithJoint() : tickColumns(), record);
 }
 
 void appendCsv(std::string& text, const RobotRow& row) {
@@ -216,6 +253,11 @@ void appendCsv(std::string& text, const RobotRow& row) {
 
 const std::vector<RecordColumn>& tickColumns() {
   static const std::vector<RecordColumn> kColumns = makeTickColumns();
+  return kColumns;
+}
+
+const std::vector<RecordColumn>& tickColumnsWithJoint() {
+  static const std::vector<RecordColumn> kColumns = makeTickColumns(true);
   return kColumns;
 }
 

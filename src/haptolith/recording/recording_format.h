@@ -15,7 +15,8 @@
 #include "haptolith/soil/soil_parameters.h"
 
 // Content of a recording: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header; where
-// a robot followed the tool, /robot/reports and /robot/site.
+// a robot followed the tool, /robot/reports and /robot/site. Of tools after the first, /tools/NAME/ticks, with the
+// columns of /ticks; of a tool with a joint, /tools/NAME/joint.
 
 namespace haptolith {
 
@@ -38,7 +39,21 @@ struct RecordingHeader {
   std::uint64_t hashed_parts = 1;  ///< ticks that state_hash needs to go once round the bed
   std::uint64_t start_tick = 0;    ///< number of the first tick in the file
   double tick_s = 0.001;           ///< > 0
+  std::string tools{};             ///< toolsText(); empty with one tool without a joint
 };
+
+/// One of the tools of a recorded scene.
+struct RecordedTool {
+  std::string name;
+  std::string device;         ///< HapticDevice::name()
+  std::string device_limits;  ///< limitsText()
+  bool has_joint = false;
+};
+
+/// For RecordingHeader::tools, and back: of a recording with one tool without a joint, that one.
+[[nodiscard]] std::string toolsText(const std::vector<RecordedTool>& tools);
+/// @throws Failure when the header says something else.
+[[nodiscard]] std::vector<RecordedTool> toolsOf(const RecordingHeader& header);
 
 /// Why a replay on this machine comes to other bits than the recording; empty: it does not.
 [[nodiscard]] std::string whyOtherBits(const RecordingHeader& header);
@@ -55,6 +70,12 @@ struct ParticleFrame {
   double time_s = 0;
   std::uint64_t tick = 0;
   std::vector<std::array<float, 3>> position_m;
+};
+
+/// A joint at the end of a tick: a row of /tools/NAME/joint.
+struct JointRow {
+  double time_s = 0;
+  JointState joint;
 };
 
 /// Place of a frame in /particles/position: a row of /particles/frames.
@@ -135,10 +156,12 @@ struct RecordColumn {
 /// All columns, in the order of the file. The file's types, its reader and the CSV export are made of these.
 [[nodiscard]] const std::vector<RecordColumn>& tickColumns();
 [[nodiscard]] const std::vector<RecordColumn>& robotColumns();
+/// Those of /ticks, and of the tool's joint.
+[[nodiscard]] const std::vector<RecordColumn>& tickColumnsWithJoint();
 
 /// The columns' names, and a record's values that read back as the same: lines of a CSV file.
 [[nodiscard]] std::string csvHeader(const std::vector<RecordColumn>& columns);
-void appendCsv(std::string& text, const TickRecord& record);
+void appendCsv(std::string& text, const TickRecord& record, bool with_joint = false);
 void appendCsv(std::string& text, const RobotRow& row);
 
 }  // namespace haptolith

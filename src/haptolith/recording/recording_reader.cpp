@@ -130,6 +130,23 @@ class RecordingReader::File {
     position_ = table(kPosition, coordinateType(Place::kFile), coordinateType(Place::kMemory), 3);
     frames_ = table(kFrames, frameType(Place::kFile), frameType(Place::kMemory));
     events_ = table(kEvents, eventType(Place::kFile), eventType(Place::kMemory));
+    recorded_tools_ = toolsOf(header_);
+    if (!header_.tools.empty()) {
+      requireMember(raw_, hdf5_, kTools);
+    }
+    for (std::size_t i = 0; i < recorded_tools_.size(); ++i) {
+      Tool& tool = tools_.emplace_back();
+      const std::string group = fmt::format("{}/{}", kTools, recorded_tools_[i].name);
+      if (i > 0 || recorded_tools_[i].has_joint) {
+        requireMember(raw_, hdf5_, group);
+      }
+      if (i > 0) {
+        tool.ticks = table((group + "/ticks").c_str(), tickType(Place::kFile), tickType(Place::kMemory));
+      }
+      if (recorded_tools_[i].has_joint) {
+        tool.joint = table((group + "/joint").c_str(), jointType(Place::kFile), jointType(Place::kMemory));
+      }
+    }
     if (H5Lexists(hdf5_.id(), kRobot, H5P_DEFAULT) > 0) {
       requireMember(raw_, hdf5_, kRobot);
       reports_ = table(kReports, robotType(Place::kFile), robotType(Place::kMemory));
@@ -140,7 +157,12 @@ class RecordingReader::File {
   [[nodiscard]] const RecordingHeader& header() const noexcept { return header_; }
   [[nodiscard]] bool finished() const noexcept { return raw_.finished(); }
   [[nodiscard]] std::uint64_t missingTicks() const noexcept { return missing_ticks_; }
-  [[nodiscard]] const RecordedTable& ticks() const noexcept { return *ticks_; }
+  [[nodiscard]] const std::vector<RecordedTool>& tools() const noexcept { return recorded_tools_; }
+  [[nodiscard]] const RecordedTable& ticks(std::size_t tool = 0) const {
+    return tool == 0 ? *ticks_ : *tools_.at(tool).ticks;
+  }
+  /// Null: it has none.
+  [[nodiscard]] const RecordedTable* joint(std::size_t tool) const { return tools_.at(tool).joint.get(); }
   [[nodiscard]] const RecordedTable& position() const noexcept { return *position_; }
   [[nodiscard]] const RecordedTable& frames() const noexcept { return *frames_; }
   [[nodiscard]] const RecordedTable& events() const noexcept { return *events_; }
@@ -180,6 +202,11 @@ class RecordingReader::File {
   Handle hdf5_;
   RecordingHeader header_;
   std::uint64_t missing_ticks_ = 0;
+  struct Tool {
+    std::unique_ptr<RecordedTable> ticks, joint;  ///< none of the first tool, or without a joint
+  };
+  std::vector<RecordedTool> recorded_tools_;
+  std::vector<Tool> tools_;
   std::unique_ptr<RecordedTable> ticks_, position_, frames_, events_, reports_, site_;
 };
 
@@ -228,9 +255,20 @@ std::uint64_t RecordingReader::siteRows() const noexcept {
   return file_->site() == nullptr ? 0 : file_->site()->rows();
 }
 
-std::vector<TickRecord> RecordingReader::readTicks(std::uint64_t first, std::uint64_t count) const {
-  std::vector<TickRecord> ticks = file_->read<TickRecord>(file_->ticks(), first, count);
-  for (const TickRecord& tick : ticks) {
+const std::vector<RecordedTool>& RecordingReader::tools() const noexcept {
+  return file_->tools();
+}
+
+std::vector<TickRecord> RecordingReader::readTicks(std::uint64_t first, std::uint64_t count, std::size_t tool) const {
+  std::vector<TickRecord> ticks = file_->read<TickRecord>(file_->ticks(tool), first, count);
+  if (const RecordedTable* joint = file_->joint(tool)) {
+    const std::vector<JointRow> rows = file_->read<JointRow>(*joint, first, ticks.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      ticks[i].joint = rows[i].joint;
+    }
+  }
+  for (TickRecord& tick : ticks) {
+    tick.tool = static_cast<std::uint8_t>(tool);
     if (tick.device.state > DeviceState::kFinished) {
       file_->refuse(fmt::format("device_state = {} at {} s is not 0 to {}", static_cast<int>(tick.device.state),
                                 tick.time_s, static_cast<int>(DeviceState::kFinished)));

@@ -34,8 +34,12 @@ class RecordingReader {
   [[nodiscard]] std::uint64_t reports() const noexcept;
   [[nodiscard]] std::uint64_t siteRows() const noexcept;
 
+  /// Of the scene, in order; at least one.
+  [[nodiscard]] const std::vector<RecordedTool>& tools() const noexcept;
+
   /// `count` of them beginning with number `first`, or as many as there are. @throws Failure when the file is damaged.
-  [[nodiscard]] std::vector<TickRecord> readTicks(std::uint64_t first, std::uint64_t count) const;
+  /// @param tool  its number; its joint is that of the same row.
+  [[nodiscard]] std::vector<TickRecord> readTicks(std::uint64_t first, std::uint64_t count, std::size_t tool = 0) const;
   [[nodiscard]] std::vector<FrameRow> readFrameRows(std::uint64_t first, std::uint64_t count) const;
   [[nodiscard]] std::vector<RecordingEvent> readEvents(std::uint64_t first, std::uint64_t count) const;
   [[nodiscard]] std::vector<RobotRow> readReports(std::uint64_t first, std::uint64_t count) const;

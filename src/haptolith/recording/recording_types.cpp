@@ -80,6 +80,14 @@ Handle tickType(Place place) {
   return compound(sizeof(TickRecord), membersOf(tickColumns(), place), place);
 }
 
+Handle jointType(Place place) {
+  std::vector<Member> members;
+  members.push_back({"t_s", offsetof(JointRow, time_s), numberType(place)});
+  addNumbers<double>(members, offsetof(JointRow, joint),
+                     {"angle_rad", "speed_rad_s", "soil_torque_nm", "motor_torque_nm"}, place);
+  return compound(sizeof(JointRow), members, place);
+}
+
 Handle frameType(Place place) {
   std::vector<Member> members;
   members.push_back({"t_s", offsetof(FrameRow, time_s), numberType(place)});

@@ -20,6 +20,7 @@ inline constexpr const char* kTicks = "/ticks";
 inline constexpr const char* kPosition = "/particles/position";
 inline constexpr const char* kFrames = "/particles/frames";
 inline constexpr const char* kEvents = "/events";
+inline constexpr const char* kTools = "/tools";
 inline constexpr const char* kRobot = "/robot";
 inline constexpr const char* kReports = "/robot/reports";
 inline constexpr const char* kSite = "/robot/site";
@@ -38,6 +39,7 @@ struct EventRow {
 };
 
 [[nodiscard]] Handle tickType(Place place);
+[[nodiscard]] Handle jointType(Place place);
 [[nodiscard]] Handle frameType(Place place);
 [[nodiscard]] Handle eventType(Place place);
 [[nodiscard]] Handle robotType(Place place);
@@ -73,6 +75,7 @@ inline constexpr HeaderEntry kHeaderEntries[]{
     {"hashed_parts", &RecordingHeader::hashed_parts},
     {"start_tick", &RecordingHeader::start_tick},
     {"tick_s", &RecordingHeader::tick_s},
+    {"tools", &RecordingHeader::tools, true},
 };
 
 }  // namespace haptolith::hdf5

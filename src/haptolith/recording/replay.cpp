@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/device/replay_device.h"
 
@@ -51,8 +53,13 @@ std::uint64_t missingAtTheEnd(const RecordingReader& recording, std::uint64_t la
   return missing;
 }
 
+bool same(const JointState& a, const JointState& b) noexcept {
+  return same(a.angle_rad, b.angle_rad) && same(a.speed_rad_s, b.speed_rad_s) &&
+         same(a.soil_torque_nm, b.soil_torque_nm) && same(a.motor_torque_nm, b.motor_torque_nm);
+}
+
 /// All columns but those of the device, which are fed in, and those that depend on the clock.
-const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
+const char* columnThatDiffers(const TickRecord& was, const TickRecord& is, bool has_joint) noexcept {
   if (was.state_hash != 0 && was.state_hash != is.state_hash) {
     return "state_hash";
   }
@@ -61,6 +68,9 @@ const char* differenceOf(const TickRecord& was, const TickRecord& is) noexcept {
   }
   if (!same(was.soil, is.soil)) {
     return "soil wrench";
+  }
+  if (has_joint && !same(was.joint, is.joint)) {
+    return "joint";
   }
   if (!same(was.rendered, is.rendered)) {
     return "rendered force";
@@ -94,17 +104,28 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
   scene_file_ = loadSceneFileText(header.scene_file, "the recorded scene");
   scene_file_.bed.threads = threads.value_or(scene_file_.bed.threads);
   scene_file_.loop.real_time = false;
+  const std::vector<RecordedTool>& tools = recording.tools();
+  if (tools.size() != toolCount(scene_file_)) {
+    throw Failure(fmt::format("cannot replay this recording: it has {} of {}", pluralise(tools.size(), "tool"),
+                              toolCount(scene_file_)));
+  }
   scene_ = std::make_unique<Scene>(scene_file_.bed, toolSet(scene_file_), progress);
-  const DeclaredLimits declared = limitsOf(header.device_limits);
-  device_ = std::make_unique<ReplayDevice>(header.device, declared.limits, declared.simulated);
-  const double surface_m = scene_file_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
-  // A host's own device is named by no scene, which names the virtual hand then. Other leaders of the virtual hand
-  // are named after it, and share its frame.
-  const bool own =
-      scene_file_.device.kind == DeviceKind::kVirtualHand && !header.device.starts_with(VirtualHand::kName);
-  const HandlingParameters handling =
-      own ? handlingOfOwnDevice(scene_file_, surface_m) : handlingOf(scene_file_, surface_m);
-  loop_ = std::make_unique<HapticLoop>(*scene_, *device_, scene_file_.loop, true, handling);
+  std::vector<ToolHandling> hands;
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    const RecordedTool& tool = tools[i];
+    const DeclaredLimits declared = limitsOf(tool.device_limits);
+    devices_.emplace_back(tool.device, declared.limits, declared.simulated);
+    exchangeFirst(scene_file_, i);
+    const double surface_m = scene_file_.hand.surface_m.value_or(scene_->bed().surfaceHeight());
+    // A host's own device is named by no scene, which names the virtual hand then. Other leaders of the virtual hand
+    // are named after it, and share its frame.
+    const bool own =
+        scene_file_.device.kind == DeviceKind::kVirtualHand && !tool.device.starts_with(VirtualHand::kName);
+    hands.push_back(
+        {&devices_.back(), own ? handlingOfOwnDevice(scene_file_, surface_m) : handlingOf(scene_file_, surface_m)});
+    exchangeFirst(scene_file_, i);
+  }
+  loop_ = std::make_unique<HapticLoop>(*scene_, hands, scene_file_.loop, true);
   loop_->hashRecords();
   for (const RecordingEvent& event : recording.readEvents(0, recording.events())) {
     if (event.kind == kAdjustmentKind) {
@@ -117,11 +138,14 @@ Replay::Replay(const RecordingReader& recording, std::optional<int> threads, con
 
 /// Before a tick: gives the loop what it was given then.
 /// @return why that cannot be done; empty when it was.
-std::string Replay::prepare(const TickRecord& was) {
+std::string Replay::prepare(std::span<const TickRecord> of_tools) {
+  const TickRecord& was = of_tools.front();
   if ((was.flags & kTickSceneChanged) != 0) {
     return fmt::format("at {:.3f} s a client changed the scene", was.time_s);
   }
-  device_->feed(was.device);
+  for (std::size_t tool = 0; tool < of_tools.size(); ++tool) {
+    devices_[tool].feed(of_tools[tool].device);
+  }
   if ((was.flags & kTickResumed) != 0) {
     loop_->ask(request::Pause{});
     (void)loop_->tick();
@@ -148,8 +172,21 @@ std::string Replay::prepare(const TickRecord& was) {
   if ((was.flags & kTickSoftStop) != 0) {
     loop_->softStop();
   }
-  loop_->overrideHealth({late_, (was.flags & kTickHeartbeatLost) != 0});
+  for (std::size_t tool = 0; tool < of_tools.size(); ++tool) {
+    loop_->overrideHealth({late_, (of_tools[tool].flags & kTickHeartbeatLost) != 0}, tool);
+  }
   late_ = (was.flags & kTickLate) != 0;
+  return {};
+}
+
+/// Empty without one.
+std::string Replay::differenceOf(std::span<const TickRecord> was, std::span<const TickRecord> is) const {
+  for (std::size_t i = 0; i < was.size(); ++i) {
+    const RecordedTool& tool = recording_.tools()[i];
+    if (const char* what = columnThatDiffers(was[i], is[i], tool.has_joint)) {
+      return i == 0 ? what : fmt::format("{}: {}", tool.name, what);
+    }
+  }
   return {};
 }
 
@@ -157,7 +194,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
                          double until_s) {
   ReplayResult result;
   FrameCheck frames(recording_);
-  std::vector<TickRecord> replayed;
+  std::vector<TickRecord> replayed, of_tools;  // of a tick
   std::uint64_t last = 0;
   double last_s = 0;
   const auto compare = [&](const std::optional<ComparedFrame>& frame) {
@@ -178,7 +215,18 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
   };
   frames.afterTick(0, *scene_);
   for (std::uint64_t first = 0; first < recording_.ticks(); first += kRowsAtOnce) {
-    for (const TickRecord& was : recording_.readTicks(first, kRowsAtOnce)) {
+    std::vector<std::vector<TickRecord>> rows;
+    for (std::size_t tool = 0; tool < devices_.size(); ++tool) {
+      rows.push_back(recording_.readTicks(first, kRowsAtOnce, tool));
+    }
+    for (std::size_t row = 0; row < rows.front().size(); ++row) {
+      const TickRecord& was = rows.front()[row];
+      of_tools.clear();
+      for (const std::vector<TickRecord>& of_tool : rows) {
+        if (row < of_tool.size() && of_tool[row].time_s == was.time_s) {
+          of_tools.push_back(of_tool[row]);
+        }
+      }
       const std::uint64_t number = tickNumber(was.time_s, recording_.header().tick_s);
       if (was.time_s > until_s + recording_.header().tick_s / 2 && !result.difference) {
         compare(frames.atEnd(*scene_));
@@ -188,11 +236,14 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
         result.gap = {number > last ? number - last - 1 : 0, last_s};
         return result;
       }
+      if (of_tools.size() != devices_.size()) {
+        return end_early(fmt::format("at {:.3f} s the ticks of a tool are missing", was.time_s));
+      }
       compare(frames.beforeTick(number, (was.flags & kTickResumed) != 0, *scene_));
       if (done(was.time_s)) {
         return result;
       }
-      if (const std::string why = prepare(was); !why.empty()) {
+      if (const std::string why = prepare(of_tools); !why.empty()) {
         return end_early(why);
       }
       const LoopEnd end = loop_->tick();
@@ -200,7 +251,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
       last_s = was.time_s;
       replayed.clear();
       loop_->takeRecords(replayed);
-      if (replayed.size() != 1) {
+      if (replayed.size() != devices_.size()) {
         return end_early(fmt::format("at {:.3f} s the replay ended: {}", was.time_s, text(end)));
       }
       frames.afterTick(number, *scene_);
@@ -209,8 +260,8 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
       }
       ++result.ticks;
       result.hashes += was.state_hash != 0 ? 1 : 0;
-      if (const char* what = differenceOf(was, replayed.front())) {
-        result.difference = {result.ticks - 1, was.time_s, what};
+      if (std::string what = differenceOf(of_tools, replayed); !what.empty()) {
+        result.difference = {result.ticks - 1, was.time_s, std::move(what)};
         if (((was.flags | replayed.front().flags) & kTickFailed) != 0) {
           return result;
         }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "haptolith/device/replay_device.h"
@@ -20,8 +21,8 @@ namespace haptolith {
 struct ReplayDifference {
   std::uint64_t tick = 0;  ///< its row in /ticks, from 0
   double time_s = 0;
-  /// "state_hash", "tool pose", "soil wrench", "rendered force", "device wrench", "injected energy", "trip", "end",
-  /// "flags", "particles"
+  /// Of another tool than the first with its name before it, "left: tool pose": "state_hash", "tool pose", "soil
+  /// wrench", "rendered force", "device wrench", "injected energy", "trip", "end", "flags", "particles"
   std::string what;
   /// Particles of the first frame at or after the tick; empty when no frame of the next second could be compared.
   std::optional<ComparedFrame> frame = {};
@@ -56,7 +57,7 @@ class Replay {
   /// hashes of the bed, the tool's pose, the wrenches, energy, trip, flags, and the particles of frames. The recorded
   /// readings of the device are fed in; times of work and whether a tick was late are not compared. After a difference
   /// it continues to the next frame, to find the particles that differ.
-  /// @param go_on  called after each equal tick with its record and the replayed one; false ends it.
+  /// @param go_on  called after each equal tick with the first tool's record and the replayed one; false ends it.
   /// @param until_s  later ticks are left out.
   [[nodiscard]] ReplayResult run(const std::function<bool(const TickRecord& was, const TickRecord& is)>& go_on,
                                  double until_s = std::numeric_limits<double>::infinity());
@@ -65,12 +66,13 @@ class Replay {
   [[nodiscard]] HapticLoop& loop() noexcept { return *loop_; }
 
  private:
-  [[nodiscard]] std::string prepare(const TickRecord& was);
+  [[nodiscard]] std::string prepare(std::span<const TickRecord> was);
+  [[nodiscard]] std::string differenceOf(std::span<const TickRecord> was, std::span<const TickRecord> is) const;
 
   const RecordingReader& recording_;
   SceneFile scene_file_;
   std::unique_ptr<Scene> scene_;
-  std::unique_ptr<ReplayDevice> device_;
+  std::deque<ReplayDevice> devices_;  ///< of each tool
   std::unique_ptr<HapticLoop> loop_;
   bool late_ = false;  ///< the last tick, as recorded
   // That are still to come:

@@ -49,6 +49,7 @@ void RecordTaker::takeNow() {
   fresh_.clear();
   loop_.takeRecords(fresh_);
   recording_.add(fresh_);
+  std::erase_if(fresh_, [](const TickRecord& record) { return record.tool != 0; });
   if (listener_) {
     listener_(fresh_);
   }

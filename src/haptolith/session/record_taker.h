@@ -13,8 +13,8 @@
 
 namespace haptolith {
 
-/// Moves the loop's records into the recording on a separate thread: nothing is lost while the thread that follows
-/// the loop is blocked, by viewers or by an unread terminal.
+/// Moves the loop's records into the recording, and hands on those of the first tool, on a separate thread: nothing is
+/// lost while the thread that follows the loop is blocked, by viewers or by an unread terminal.
 class RecordTaker {
  public:
   enum class Keep { kNothing, kForTake };

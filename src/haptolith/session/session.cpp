@@ -24,14 +24,23 @@ using namespace std::chrono_literals;
 /// Number of cached level beds: the stimuli of a study.
 constexpr std::size_t kMaxCachedBeds = 64;
 
-/// Before anything is made or moves.
-SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
-  if (device == nullptr && scene_file.device.kind != DeviceKind::kVirtualHand && !scene_file.loop.real_time) {
+void requireRealTime(DeviceKind kind, const LoopParameters& loop) {
+  if (kind != DeviceKind::kVirtualHand && !loop.real_time) {
     throw InvalidParameter(
         "real_time", "false",
         fmt::format(
             "true (without --no-realtime) with the haptic device '{}': forces on a hand must be rendered in real time",
-            wordFor(kDeviceWords, scene_file.device.kind)));
+            wordFor(kDeviceWords, kind)));
+  }
+}
+
+/// Before anything is made or moves.
+SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
+  for (const SceneTool& tool : scene_file.more_tools) {
+    requireRealTime(tool.device.kind, scene_file.loop);
+  }
+  if (device == nullptr) {
+    requireRealTime(scene_file.device.kind, scene_file.loop);
   }
   return scene_file;
 }
@@ -78,7 +87,10 @@ Session::Showing Session::showFresh(const SceneFile& scene_file, std::shared_ptr
   made.scene_file = scene_file;
   made.made_of = scene_file.bed;
   SavedScene saved = fresh->saved;
-  saved.tools.front().opening_m = scene_file.tool.opening_m;  // the tool may be another one
+  const ToolSet tools = toolSet(scene_file);
+  for (std::size_t i = 0; i < tools.all().size(); ++i) {
+    saved.tools.at(i).opening_m = tools.all()[i].opening_m;  // the tool may be another one
+  }
   made.scene = std::make_unique<Scene>(scene_file.bed, toolSet(scene_file), saved);
   made.fresh = std::move(fresh);
   return made;
@@ -100,14 +112,8 @@ Session::Session(SceneFile scene_file, bool keep_records, const SettleProgress& 
       wanted_(initial_),
       current_(showNew(initial_, progress)) {
   keepFresh(current_.fresh);
-  if (!wanted_.hand.surface_m) {
-    wanted_.hand.surface_m = current_.fresh->surface_m;
-  }
-  command_.motion = wanted_.hand.motion;
-  command_.surface_m = *wanted_.hand.surface_m;
-  openHand(std::move(device));
-  loop_ = std::make_unique<HapticLoop>(*current_.scene, *device_, wanted_.loop, keep_records,
-                                       handlingOf(wanted_, *wanted_.hand.surface_m));
+  openHands(std::move(device));
+  loop_ = std::make_unique<HapticLoop>(*current_.scene, handlings(), wanted_.loop, keep_records);
   current_.shown = &loop_->shownScene();
   snapshots_ = &current_.shown->snapshots;
 }
@@ -160,9 +166,13 @@ bool Session::takeStage() {
   keepFresh(current_.fresh);
   ++scenes_;
   snapshots_ = &current_.shown->snapshots;
-  command_.surface_m = initial_.hand.surface_m.value_or(current_.fresh->surface_m);
-  ++command_.beginnings;
-  commandHand();
+  for (std::size_t tool = 0; tool < hands_.size(); ++tool) {
+    const HandParameters& begun = tool == 0 ? initial_.hand : initial_.more_tools.at(tool - 1).hand;
+    Hand& hand = hands_[tool];
+    hand.command.surface_m = begun.surface_m.value_or(current_.fresh->surface_m);
+    ++hand.command.beginnings;
+    commandHand(hand);
+  }
   return true;
 }
 
@@ -310,6 +320,24 @@ void Session::pursue() {
   }
 }
 
+/// False when the loop takes no more now.
+bool Session::replaceTools() {
+  SceneFile& now = current_.scene_file;
+  for (std::size_t tool = 0; tool < hands_.size(); ++tool) {
+    ToolParameters& old_tool = tool == 0 ? now.tool : now.more_tools.at(tool - 1).tool;
+    ToolMeshSource& old_mesh = tool == 0 ? now.mesh : now.more_tools.at(tool - 1).mesh;
+    const ToolParameters& new_tool = tool == 0 ? wanted_.tool : wanted_.more_tools.at(tool - 1).tool;
+    if (!sameTool(new_tool, old_tool)) {
+      if (!loop_->ask(request::Replace{request::ReplaceTool{new_tool, tool}})) {
+        return false;
+      }
+      old_tool = new_tool;
+      old_mesh = tool == 0 ? wanted_.mesh : wanted_.more_tools.at(tool - 1).mesh;
+    }
+  }
+  return true;
+}
+
 /// Requests that the loop does not accept now are repeated at the next poll().
 void Session::changeWhatIsThere() {
   SceneFile& now = current_.scene_file;
@@ -321,12 +349,8 @@ void Session::changeWhatIsThere() {
   }
   now.body = wanted_.body;
   now.title = wanted_.title;
-  if (!sameTool(wanted_.tool, now.tool)) {
-    if (!loop_->ask(request::Replace{request::ReplaceTool{wanted_.tool}})) {
-      return;
-    }
-    now.tool = wanted_.tool;
-    now.mesh = wanted_.mesh;
+  if (!replaceTools()) {
+    return;
   }
   if (wanted_.bed.soil == now.bed.soil) {
     return;
@@ -437,10 +461,11 @@ void Session::advance(int ticks) {
 }
 
 void Session::setSpeed(double factor) {
-  if (!device_->simulated()) {
+  const auto at_person = std::ranges::find_if(hands_, [](const Hand& hand) { return !hand.device->simulated(); });
+  if (at_person != hands_.end()) {
     throw RefusedAction("factor", fmt::format("cannot change the speed: a haptic device moves the tool ({}); only a "
                                               "simulated hand can run slower",
-                                              device_->name()));
+                                              at_person->device->name()));
   }
   ask(request::Speed{requireInRange("factor", factor, {0.01, 1})});
   speed_ = factor;

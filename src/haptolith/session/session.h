@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/device/device_group.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/haptics/loop/loop_thread.h"
@@ -82,10 +83,10 @@ class Session {
   void advance(int ticks);       ///< only while paused
   void setSpeed(double factor);  ///< speed of a simulated hand's time; a person's is real time
 
-  // While the virtual hand has the tool:
-  void hold(const Pose& scene_T_tool);
-  void release();  ///< the tool stays where it is
-  void play(HandMotion motion);
+  // While a virtual hand has the tool of that number:
+  void hold(const Pose& scene_T_tool, std::size_t tool = 0);
+  void release(std::size_t tool = 0);  ///< the tool stays where it is
+  void play(HandMotion motion, std::size_t tool = 0);
 
   // --- what there is
 
@@ -99,8 +100,9 @@ class Session {
   /// Height of the soil's surface when the bed that is shown was made, in m.
   [[nodiscard]] double surface() const noexcept { return current_.fresh->surface_m; }
   [[nodiscard]] double speed() const noexcept { return speed_; }
-  [[nodiscard]] const std::optional<Pose>& held() const noexcept { return command_.held; }
-  [[nodiscard]] HandMotion motion() const noexcept { return command_.motion; }
+  [[nodiscard]] const std::optional<Pose>& held(std::size_t tool = 0) const { return hands_.at(tool).command.held; }
+  [[nodiscard]] HandMotion motion(std::size_t tool = 0) const { return hands_.at(tool).command.motion; }
+  [[nodiscard]] std::size_t tools() const noexcept { return hands_.size(); }
   /// Range of the tool's targets, in m.
   [[nodiscard]] Vec3 workspaceLow() const noexcept;
   [[nodiscard]] Vec3 workspaceHigh() const noexcept;
@@ -114,11 +116,11 @@ class Session {
   [[nodiscard]] bool undoRedoes() const noexcept { return previous_ && previous_->taken_back; }
   /// Why the last bed or mesh could not be made; empty when it could.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
-  [[nodiscard]] std::string_view deviceName() const noexcept { return device_->name(); }
-  [[nodiscard]] const HapticDevice& device() const noexcept { return *device_; }
+  [[nodiscard]] std::string_view deviceName() const { return device().name(); }
+  [[nodiscard]] const HapticDevice& device(std::size_t tool = 0) const { return *hands_.at(tool).device; }
   /// Whether a person is at a device with force feedback that has not tripped: changes of the scene change their
   /// force. Also in a pause.
-  [[nodiscard]] bool personFeels() const noexcept;
+  [[nodiscard]] bool personFeels() const;
 
   /// Number of ticks in the newest snapshot; 0 before the first.
   [[nodiscard]] std::uint64_t loopTicks() const noexcept { return snapshot().ticks; }
@@ -145,6 +147,12 @@ class Session {
     std::string_view replaced_by;
     bool taken_back = false;  ///< by undo()
   };
+  /// What moves a tool.
+  struct Hand {
+    std::unique_ptr<HapticDevice> device;
+    VirtualHand* virtual_hand = nullptr;  ///< the device, when it is one
+    HandCommand command;
+  };
   struct Making;
   struct MakingMesh;
 
@@ -155,6 +163,7 @@ class Session {
   void wantBed(std::string_view why);
   void pursue();
   void changeWhatIsThere();
+  bool replaceTools();
   void make(std::string_view why, bool as_it_lies);
   [[nodiscard]] std::shared_ptr<const Fresh> freshFor(const SceneFile& scene_file) const;
   void keepFresh(std::shared_ptr<const Fresh> fresh);
@@ -163,9 +172,11 @@ class Session {
   bool takeStage();
   void bringOnStage(Showing next);
   void ask(const LoopRequest& request);
-  void openHand(std::unique_ptr<HapticDevice> device);
-  void requireVirtualHand(const char* asked) const;
-  void commandHand();
+  void openHands(std::unique_ptr<HapticDevice> device);
+  [[nodiscard]] Hand openHand(std::unique_ptr<HapticDevice> device) const;
+  [[nodiscard]] std::vector<ToolHandling> handlings();
+  [[nodiscard]] Hand& requireVirtualHand(const char* asked, std::size_t tool);
+  static void commandHand(Hand& hand);
   void tellMotion(SceneFile& scene_file) const;
 
   SceneFile initial_, wanted_;
@@ -179,11 +190,10 @@ class Session {
   bool paused_ = false;
   std::uint32_t scenes_ = 1;
   double speed_ = 1;
-  HandCommand command_;
   std::string problem_;
 
-  std::unique_ptr<HapticDevice> device_;
-  VirtualHand* hand_ = nullptr;  ///< the device, when it is one
+  std::vector<Hand> hands_;  ///< of each tool
+  std::optional<DeviceGroup> at_people_;
   std::optional<LastResort> last_resort_;
   std::unique_ptr<HapticLoop> loop_;
   LatestValue<SceneSnapshot>* snapshots_ = nullptr;

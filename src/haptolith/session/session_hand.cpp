@@ -20,74 +20,122 @@ constexpr double kAboveSurface_m = 0.35;
 
 }  // namespace
 
-void Session::openHand(std::unique_ptr<HapticDevice> device) {
+/// The device of the first tool of `wanted_`.
+Session::Hand Session::openHand(std::unique_ptr<HapticDevice> device) const {
+  Hand hand;
+  hand.command.motion = wanted_.hand.motion;
+  hand.command.surface_m = *wanted_.hand.surface_m;
   if (device) {
-    device_ = std::move(device);
+    hand.device = std::move(device);
   } else if (wanted_.device.kind == DeviceKind::kVirtualHand) {
-    auto hand = std::make_unique<VirtualHand>(wanted_.hand, wanted_.bed.tick_s);
-    hand_ = hand.get();
-    device_ = std::move(hand);
+    auto virtual_hand = std::make_unique<VirtualHand>(wanted_.hand, wanted_.bed.tick_s);
+    hand.virtual_hand = virtual_hand.get();
+    hand.device = std::move(virtual_hand);
   } else {
-    device_ = openDevice(wanted_.device, wanted_.bed.tick_s);
+    hand.device = openDevice(wanted_.device, wanted_.bed.tick_s);
   }
-  if (!device_->simulated()) {
-    last_resort_.emplace(*device_);
+  return hand;
+}
+
+void Session::openHands(std::unique_ptr<HapticDevice> device) {
+  std::vector<HapticDevice*> at_people;
+  for (std::size_t tool = 0; tool < toolCount(wanted_); ++tool) {
+    exchangeFirst(wanted_, tool);
+    if (!wanted_.hand.surface_m) {
+      wanted_.hand.surface_m = current_.fresh->surface_m;
+    }
+    hands_.push_back(openHand(std::exchange(device, nullptr)));
+    exchangeFirst(wanted_, tool);
+    if (!hands_.back().device->simulated()) {
+      at_people.push_back(hands_.back().device.get());
+    }
+  }
+  if (!at_people.empty()) {
+    at_people_.emplace(std::move(at_people));
+    last_resort_.emplace(*at_people_);
   }
 }
 
-void Session::requireVirtualHand(const char* asked) const {
-  if (hand_ == nullptr) {
+std::vector<ToolHandling> Session::handlings() {
+  std::vector<ToolHandling> handlings;
+  for (std::size_t tool = 0; tool < hands_.size(); ++tool) {
+    exchangeFirst(wanted_, tool);
+    handlings.push_back({hands_[tool].device.get(), handlingOf(wanted_, *wanted_.hand.surface_m)});
+    exchangeFirst(wanted_, tool);
+  }
+  return handlings;
+}
+
+Session::Hand& Session::requireVirtualHand(const char* asked, std::size_t tool) {
+  if (tool >= hands_.size()) {
+    throw InvalidParameter("tool", fmt::format("{}", tool), fmt::format("0 to {}", hands_.size() - 1));
+  }
+  Hand& hand = hands_[tool];
+  if (hand.virtual_hand == nullptr) {
     throw RefusedAction(asked,
                         fmt::format("cannot move the tool: a haptic device moves it ({}); only the virtual hand can "
                                     "be replaced",
-                                    device_->name()));
+                                    hand.device->name()));
+  }
+  return hand;
+}
+
+bool Session::personFeels() const {
+  for (std::size_t tool = 0; tool < hands_.size(); ++tool) {
+    const HapticDevice& device = *hands_[tool].device;
+    const DeviceLimits limits = device.limits();
+    if (!device.simulated() && limits.shows_force && limits.max_force_n > 0 &&
+        snapshot().tools.at(tool).trip == SafetyTrip::kNone) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void Session::commandHand(Hand& hand) {
+  if (hand.virtual_hand != nullptr) {
+    hand.virtual_hand->command(hand.command);
   }
 }
 
-bool Session::personFeels() const noexcept {
-  const DeviceLimits limits = device_->limits();
-  return !device_->simulated() && limits.shows_force && limits.max_force_n > 0 && snapshot().trip == SafetyTrip::kNone;
-}
-
-void Session::commandHand() {
-  if (hand_ != nullptr) {
-    hand_->command(command_);
-  }
-}
-
-void Session::hold(const Pose& scene_T_tool) {
-  requireVirtualHand("hold");
+void Session::hold(const Pose& scene_T_tool, std::size_t tool) {
+  Hand& hand = requireVirtualHand("hold", tool);
   const Vec3 low = workspaceLow();
   const Vec3 high = workspaceHigh();
   for (int axis = 0; axis < 3; ++axis) {
     requireInRange(fmt::format("pose[{}]", axis), scene_T_tool.position_m[axis], {low[axis], high[axis]});
   }
   requireInRange("the norm of the pose's quaternion", scene_T_tool.orientation.norm(), kUnitNorm);
-  command_.held = Pose{scene_T_tool.position_m, scene_T_tool.orientation.normalized()};
-  commandHand();
+  hand.command.held = Pose{scene_T_tool.position_m, scene_T_tool.orientation.normalized()};
+  commandHand(hand);
 }
 
-void Session::release() {
-  if (command_.held) {
-    command_.held = snapshot().scene_T_tool;
-    commandHand();
+void Session::release(std::size_t tool) {
+  Hand& hand = hands_.at(tool);
+  if (hand.command.held) {
+    hand.command.held = snapshot().tools.at(tool).scene_T_tool;
+    commandHand(hand);
   }
 }
 
-void Session::play(HandMotion motion) {
-  requireVirtualHand("play");
-  command_.held.reset();
-  command_.motion = motion;
+void Session::play(HandMotion motion, std::size_t tool) {
+  Hand& hand = requireVirtualHand("play", tool);
+  hand.command.held.reset();
+  hand.command.motion = motion;
   tellMotion(wanted_);
   tellMotion(current_.scene_file);
-  ++command_.beginnings;
-  commandHand();
+  ++hand.command.beginnings;
+  commandHand(hand);
 }
 
 /// The title may name the motion.
 void Session::tellMotion(SceneFile& scene_file) const {
   const std::string before = sceneInWords(scene_file);
-  scene_file.hand.motion = command_.motion;
+  for (std::size_t tool = 0; tool < hands_.size(); ++tool) {
+    exchangeFirst(scene_file, tool);
+    scene_file.hand.motion = hands_[tool].command.motion;
+    exchangeFirst(scene_file, tool);
+  }
   retitle(scene_file, before);
 }
 

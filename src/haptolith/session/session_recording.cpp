@@ -29,6 +29,17 @@ RecordingHeader headerOf(const Session& session, const std::string& program_vers
   header.arithmetic = arithmetic();
   header.device = session.deviceName();
   header.device_limits = limitsText(session.device().limits(), session.device().simulated());
+  std::vector<RecordedTool> tools;
+  const std::vector<std::string_view> names = toolNames(scene_file);
+  const ToolSet parameters = toolSet(scene_file);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const HapticDevice& device = session.device(i);
+    tools.push_back({std::string(names[i]), std::string(device.name()), limitsText(device.limits(), device.simulated()),
+                     parameters.all()[i].joint.any()});
+  }
+  if (tools.size() > 1 || tools.front().has_joint) {
+    header.tools = toolsText(tools);
+  }
   header.seed = scene_file.bed.seed;
   header.threads = static_cast<std::uint64_t>(scene_file.bed.threads);
   header.hashed_parts = session.loop().hashedParts();
@@ -137,7 +148,8 @@ void SessionRecording::add(const std::vector<TickRecord>& ticks) {
   const std::lock_guard lock(mutex_);
   if (writer_ && !ticks.empty()) {
     writer_->add(ticks);
-    ticks_ += ticks.size();
+    ticks_ +=
+        static_cast<std::uint64_t>(std::ranges::count_if(ticks, [](const TickRecord& tick) { return tick.tool == 0; }));
     begun_s_ = begun_s_ ? begun_s_ : ticks.front().time_s;
   }
 }

@@ -73,10 +73,21 @@ void show(SceneSnapshot& snapshot, const ScenePicture& picture) {
   }
   snapshot.asleep.assign(snapshot.position.size() / kGroup + 1, 0);
   snapshot.awake = snapshot.position.size();
-  if (picture.tool) {
-    snapshot.scene_T_tool = picture.tool->pose;
-    snapshot.opening_m = picture.tool->opening_m;
-    snapshot.device_wrench_in_scene = picture.tool->soil;  // the device wrench is not in pictures
+  snapshot.tools.resize(picture.tools.size());
+  for (std::size_t i = 0; i < picture.tools.size(); ++i) {
+    const PicturedTool& tool = picture.tools[i];
+    snapshot.tools[i] = {.scene_T_tool = tool.hub,
+                         .turned = tool.pose,
+                         .opening_m = tool.opening_m,
+                         .joint = tool.joint,
+                         .soil_wrench = tool.soil,
+                         .device_wrench_in_scene = tool.soil};  // the device wrench is not in pictures
+  }
+  if (!picture.tools.empty()) {
+    const ShownTool& first = snapshot.tools.front();
+    snapshot.scene_T_tool = first.scene_T_tool;
+    snapshot.opening_m = first.opening_m;
+    snapshot.device_wrench_in_scene = first.device_wrench_in_scene;
   }
   if (!picture.stones.empty()) {
     snapshot.stones.clear();
