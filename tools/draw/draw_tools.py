@@ -37,6 +37,14 @@ class Drawing:
         (x0, y0, z0), (x1, y1, z1) = low, high
         self.prism([(x0, z0), (x1, z0), (x1, z1), (x0, z1)], y0, y1)
 
+    def upright(self, outline, low, high):
+        """An outline of (x, y), counter-clockwise seen from above, drawn from z = low to z = high."""
+        n = len(outline)
+        bottom = [(x, y, low) for x, y in outline]
+        top = [(x, y, high) for x, y in outline]
+        sides = [[i, (i + 1) % n, n + (i + 1) % n, n + i] for i in range(n)]
+        self.part(bottom + top, [list(range(n - 1, -1, -1)), list(range(n, 2 * n))] + sides)
+
     def turned(self, outline, segments):
         """What a closed outline of (radius, z) sweeps around z, counter-clockwise as drawn to the right of the axis."""
         n = len(outline)
@@ -152,6 +160,41 @@ def auger():
     return tool
 
 
+def round_z(points, angle):
+    """Points of (x, y), turned about the origin."""
+    c, s = math.cos(angle), math.sin(angle)
+    return [(c * x - s * y, s * x + c * y) for x, y in points]
+
+
+def wheel():
+    """A wheel with twelve grousers of 5 mm; its axle is z."""
+    tool = Drawing("A wheel with 12 grousers, 80 mm across and 36 mm wide")
+    tool.turned([(0, -18), (35, -18), (35, 18), (0, 18)], 72)
+    for k in range(12):
+        tool.upright(round_z([(33, -1.25), (40, -1.25), (40, 1.25), (33, 1.25)], math.pi * k / 6), -18, 18)
+    return tool
+
+
+def bucket_drum():
+    """A drum with three mouths in its rim, each under a lip; its shaft is z. Turned counter-clockwise from above, it digs."""
+    tool = Drawing("A bucket drum with three scoops, 80 mm across and 44 mm wide")
+    outer, thick, half, steps = 34, 2, 22, 10
+    tool.turned([(0, -half), (outer, -half), (outer, -half + thick), (0, -half + thick)], 60)
+    tool.turned([(0, half - thick), (outer, half - thick), (outer, half), (0, half)], 60)
+    tool.turned([(0, -half), (5, -half), (5, half), (0, half)], 24)
+    arc = math.radians(90)  # of the rim between two mouths
+    for k in range(3):
+        begin = 2 * math.pi * k / 3
+        for i in range(steps):
+            a, b = begin + arc * i / steps, begin + arc * (i + 1) / steps
+            tool.upright([((outer - thick) * math.cos(a), (outer - thick) * math.sin(a)),
+                          (outer * math.cos(a), outer * math.sin(a)), (outer * math.cos(b), outer * math.sin(b)),
+                          ((outer - thick) * math.cos(b), (outer - thick) * math.sin(b))], -half, half)
+        lip = round_z([(outer - thick, 0), (outer, 0), (outer + 5, 10), (outer + 3, 10)], begin + arc)  # over the mouth
+        tool.upright(lip, -half, half)
+    return tool
+
+
 def volume(drawing):
     """In mm3; parts that overlap count twice."""
     total = 0
@@ -166,7 +209,8 @@ def volume(drawing):
 
 def main():
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
-    for name, draw in (("auger", auger), ("bucket", bucket), ("corer", corer), ("rake", rake), ("scoop", scoop)):
+    for name, draw in (("auger", auger), ("bucket", bucket), ("bucket-drum", bucket_drum), ("corer", corer),
+                       ("rake", rake), ("scoop", scoop), ("wheel", wheel)):
         drawing = draw()
         (folder / f"{name}.obj").write_text(drawing.text())
         print(f"{name}: {len(drawing.points)} points, {volume(drawing):.0f} mm3")

@@ -67,6 +67,42 @@ std::string grainsText(const Bed& bed) {
                           : fmt::format("{} particles ({})", bed.particles(), all);
 }
 
+Json toolsJson(const SceneFile& scene_file, const Scene& scene) {
+  Json tools = Json::array();
+  const std::vector<std::string_view> names = toolNames(scene_file);
+  for (std::size_t i = 0; i < scene.tools(); ++i) {
+    const JointState& joint = scene.joint(i);
+    const Vec3& force_n = scene.soilWrench(i).force_n;
+    tools.push_back({{"name", names.at(i)},
+                     {"soil_force_n", {force_n.x(), force_n.y(), force_n.z()}},
+                     {"joint", scene.tool(i).joint.any() ? Json{{"angle_rad", joint.angle_rad},
+                                                                {"speed_rad_s", joint.speed_rad_s},
+                                                                {"soil_torque_nm", joint.soil_torque_nm},
+                                                                {"motor_torque_nm", joint.motor_torque_nm}}
+                                                         : Json(nullptr)}});
+  }
+  return tools;
+}
+
+/// Describes the tools at the end; empty for one without a joint.
+std::string toolsText(const SceneFile& scene_file, const Scene& scene) {
+  std::string text;
+  if (scene.tools() == 1 && !scene.tool().joint.any()) {
+    return text;
+  }
+  const std::vector<std::string_view> names = toolNames(scene_file);
+  for (std::size_t i = 0; i < scene.tools(); ++i) {
+    text += fmt::format("  {:<10} {:.2f} N of the soil at the end", names.at(i), scene.soilWrench(i).force_n.norm());
+    if (scene.tool(i).joint.any()) {
+      const JointState& joint = scene.joint(i);
+      text += fmt::format("; turns at {:.3g} rad/s, motor {:.3g} N m, soil {:.3g} N m", joint.speed_rad_s,
+                          joint.motor_torque_nm, joint.soil_torque_nm);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 }  // namespace
 
 nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& scene, const HapticLoop& loop,
@@ -104,6 +140,7 @@ nlohmann::ordered_json summaryJson(const SceneFile& scene_file, const Scene& sce
           {"largest_speed_m_s", scene.bed().largestSpeed()},
           {"lost_records", summary.lost_records},
           {"device_input", summary.device_input.empty() ? Json(nullptr) : Json(summary.device_input)},
+          {"tools", toolsJson(scene_file, scene)},
           {"state_hash", fmt::format("{:016x}", scene.hash())},
           {"realtime",
            {{"scheduler", summary.real_time.scheduler},
@@ -120,7 +157,7 @@ std::string summaryText(const SceneFile& scene_file, const Scene& scene, const H
       "    {time:.3f} s in {ticks} ticks: {end}\n  tick       mean {mean:.1f}  p50 {p50:.1f}  p99 {p99:.1f}  p99.9 "
       "{p999:.1f}  max {max:.1f} us ({simd}, {threads})\n{wakeup}  deadlines  {deadlines}; {scheduler}{cpu}, memory "
       "{locked}\n  force      mean {fmean:.2f}  p99 {fp99:.2f}  max {fmax:.2f} N\n  torque     mean {mmean:.4f}  p99 "
-      "{mp99:.4f}  max {mmax:.4f} N m\n{packets}  state      {hash:016x}\n",
+      "{mp99:.4f}  max {mmax:.4f} N m\n{tools}{packets}  state      {hash:016x}\n",
       fmt::arg("title", scene_file.title), fmt::arg("grains", grainsText(scene.bed())),
       fmt::arg("awake", scene.bed().awake()), fmt::arg("soil", soilText(scene_file)),
       fmt::arg("g", scene_file.bed.gravity_m_s2.norm()), fmt::arg("substeps", pluralise(scene.substeps(), "substep")),
@@ -137,6 +174,7 @@ std::string summaryText(const SceneFile& scene_file, const Scene& scene, const H
       fmt::arg("fmean", s.forceN().mean()), fmt::arg("fp99", s.forceN().percentile(0.99)),
       fmt::arg("fmax", s.forceN().max()), fmt::arg("mmean", s.torqueNm().mean()),
       fmt::arg("mp99", s.torqueNm().percentile(0.99)), fmt::arg("mmax", s.torqueNm().max()),
+      fmt::arg("tools", toolsText(scene_file, scene)),
       fmt::arg("packets", summary.device_input.empty() ? "" : fmt::format("  packets    {}\n", summary.device_input)),
       fmt::arg("hash", scene.hash()));
 }

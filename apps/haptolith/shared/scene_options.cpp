@@ -2,14 +2,17 @@
 
 #include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <string_view>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/former_names.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/recording/recording_format.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/tool/tool_mesh.h"
@@ -57,10 +60,19 @@ void tellOfMesh(const SceneFile& scene_file) {
 
 }  // namespace
 
-CLI::Option* DeviceOptions::addTo(CLI::App& command) {
-  CLI::Option* named = command.add_option("--device", kind, "Haptic device (haptolith devices) [virtual-hand]")
-                           ->transform(wordOf(choicesOf(kDeviceWords)))
-                           ->option_text("NAME");
+CLI::Option* DeviceOptions::addTo(CLI::App& command, std::vector<std::string>* of_tools) {
+  CLI::Option* named =
+      of_tools == nullptr
+          ? command.add_option("--device", kind, "Haptic device (haptolith devices) [virtual-hand]")
+                ->transform(wordOf(choicesOf(kDeviceWords)))
+                ->option_text("NAME")
+          : command
+                .add_option(
+                    "--device", *of_tools,
+                    "Haptic device (haptolith devices) [virtual-hand]; can be repeated, with the names of tools: "
+                    "left=force-dimension:0, right=network:9051")
+                ->allow_extra_args(false)
+                ->option_text("[TOOL=]NAME[:WHICH]");
   command.add_option("--device-id", id, "Device to use when several are connected")->option_text("ID");
   command.add_option("--device-library", library, "Folder or file of the device's SDK")->option_text("PATH");
   command.add_option("--device-address", address, "Address of the device's service, or address to listen on")
@@ -83,6 +95,88 @@ void DeviceOptions::applyTo(DeviceParameters& device) const {
   device.insecure = insecure;
   device.key = device.kind == DeviceKind::kNetwork ? keyFrom(key_file, "HAPTOLITH_DEVICE_KEY") : "";
 }
+
+namespace {
+
+/// "left=network:9051", taken apart.
+struct ToolDevice {
+  std::string tool;  ///< empty: the first
+  DeviceKind kind = DeviceKind::kVirtualHand;
+  std::string which;
+};
+
+ToolDevice toolDeviceOf(const std::string& text) {
+  ToolDevice device;
+  const std::size_t equals = text.find('=');
+  std::string rest = text;
+  if (equals != std::string::npos) {
+    device.tool = text.substr(0, equals);
+    rest = text.substr(equals + 1);
+  }
+  const std::size_t colon = rest.find(':');
+  const std::string word(currentName(NameKind::kWord, rest.substr(0, colon)));
+  device.which = colon == std::string::npos ? "" : rest.substr(colon + 1);
+  const std::vector<std::string_view> words = namesOf(kDeviceWords);
+  const auto same_letter = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  const auto found =
+      std::ranges::find_if(words, [&](std::string_view name) { return std::ranges::equal(name, word, same_letter); });
+  if (found == words.end() || (colon != std::string::npos && device.which.empty())) {
+    throw InvalidParameter("--device", inQuotes(text),
+                           fmt::format("a device, or TOOL=DEVICE[:WHICH]; devices are {}", anyOf(words)));
+  }
+  device.kind = valueOf(kDeviceWords, *found);
+  return device;
+}
+
+/// Of a network device, where it listens: HOST:PORT, or the port alone; else its number or serial.
+void setWhich(DeviceParameters& device, const std::string& which) {
+  if (which.empty()) {
+    return;
+  }
+  if (device.kind == DeviceKind::kNetwork || device.kind == DeviceKind::kInverse3) {
+    const bool is_port = which.find_first_not_of("0123456789") == std::string::npos;
+    device.address = is_port && device.kind == DeviceKind::kNetwork ? "127.0.0.1:" + which : which;
+  } else {
+    device.id = which;
+  }
+}
+
+void giveDevices(const SceneOptions& options, SceneFile& scene_file) {
+  std::vector<std::string> given;
+  for (const std::string& text : options.devices) {
+    const ToolDevice device = toolDeviceOf(text);
+    const std::vector<std::string_view> names = toolNames(scene_file);
+    const auto found = device.tool.empty() ? names.begin() : std::ranges::find(names, device.tool);
+    if (found == names.end()) {
+      throw InvalidParameter("--device", inQuotes(text),
+                             fmt::format("for a tool of the scene: {}", fmt::join(names, ", ")));
+    }
+    if (std::ranges::find(given, *found) != given.end()) {
+      throw InvalidParameter("--device", inQuotes(text), fmt::format("given once: {} has a device already", *found));
+    }
+    given.emplace_back(*found);
+    const auto tool = static_cast<std::size_t>(found - names.begin());
+    exchangeFirst(scene_file, tool);
+    scene_file.device.kind = device.kind;
+    setWhich(scene_file.device, device.which);
+    exchangeFirst(scene_file, tool);
+  }
+  for (std::size_t tool = 0; tool < toolCount(scene_file); ++tool) {
+    exchangeFirst(scene_file, tool);
+    if (tool == 0) {
+      options.device.applyTo(scene_file.device);
+    } else {
+      DeviceOptions shared;
+      shared.key_file = options.device.key_file;
+      shared.library = options.device.library;
+      shared.insecure = options.device.insecure;
+      shared.applyTo(scene_file.device);
+    }
+    exchangeFirst(scene_file, tool);
+  }
+}
+
+}  // namespace
 
 std::string SceneOptions::scene() const {
   if (!name_or_file.empty()) {
@@ -123,7 +217,7 @@ void SceneOptions::addTo(CLI::App& command) {
   command.add_option("--seed", seed, "Seed of a bed that starts as rain or settled")
       ->check(wholeNumberIn(BedRanges::seed))
       ->option_text("N");
-  device.addTo(command)->excludes(by_motion);
+  device.addTo(command, &devices)->excludes(by_motion);
 }
 
 SceneFile sceneFileFor(const SceneOptions& options) {
@@ -150,7 +244,7 @@ SceneFile sceneFileFor(const SceneOptions& options) {
   }
   bed.threads = options.threads.value_or(bed.threads);
   bed.seed = options.seed.value_or(bed.seed);
-  options.device.applyTo(scene_file.device);
+  giveDevices(options, scene_file);
   retitle(scene_file, before);
   // A title from the user is kept.
   const std::vector<std::string> built_in = sceneNames();

@@ -24,7 +24,8 @@ struct DeviceOptions {
   bool insecure = false;
 
   /// Adds the options. @return the option that names the device.
-  CLI::Option* addTo(CLI::App& command);
+  /// @param of_tools  takes a device for a tool by its name, too; null: there is one.
+  CLI::Option* addTo(CLI::App& command, std::vector<std::string>* of_tools = nullptr);
   /// Applies the options. @throws InvalidParameter, Failure if a required key cannot be read.
   void applyTo(DeviceParameters& device) const;
 };
@@ -40,6 +41,7 @@ struct SceneOptions {
   std::optional<int> threads;
   std::optional<std::uint64_t> seed;
   DeviceOptions device;
+  std::vector<std::string> devices;  ///< each "KIND", or "TOOL=KIND[:WHICH]"
 
   void addTo(CLI::App& command);
   /// Returns the name or file of the scene; the icra2021 soils require the icra2021 scene.

@@ -202,6 +202,28 @@ void requireNames(const SceneFile& scene_file) {
   }
 }
 
+/// Each tool has its own device.
+void requireDevices(const SceneFile& scene_file) {
+  std::vector<const DeviceParameters*> devices{&scene_file.device};
+  for (const SceneTool& tool : scene_file.more_tools) {
+    devices.push_back(&tool.device);
+  }
+  std::erase_if(devices, [](const DeviceParameters* device) { return device->kind == DeviceKind::kVirtualHand; });
+  if (devices.size() > SceneFile::kMostDevices) {
+    throw InvalidParameter("device", fmt::format("{} devices", devices.size()),
+                           fmt::format("at most {}", SceneFile::kMostDevices));
+  }
+  for (auto device = devices.begin(); device != devices.end(); ++device) {
+    const auto is_it = [&](const DeviceParameters* other) {
+      return other->kind == (*device)->kind && other->id == (*device)->id && other->address == (*device)->address;
+    };
+    if (std::find_if(devices.begin(), device, is_it) != device) {
+      throw InvalidParameter("device", fmt::format("'{}' of two tools", wordFor(kDeviceWords, (*device)->kind)),
+                             "another one for each tool, with its id or address");
+    }
+  }
+}
+
 }  // namespace
 
 void makeToolMesh(SceneFile& scene_file) {
@@ -260,6 +282,7 @@ void validate(const SceneFile& scene_file) {
   validate(scene_file.bed);
   validate(scene_file.loop);
   requireNames(scene_file);
+  requireDevices(scene_file);
   validateFirst(scene_file);
   if (!scene_file.more_tools.empty()) {
     SceneFile each = scene_file;

@@ -54,6 +54,7 @@ struct SceneFile {
   std::vector<SceneTool> more_tools;  ///< after the first, whose mesh, tool, hand, device and handling are above
 
   static constexpr std::string_view kFirstToolName = "tool";  ///< where there is no other
+  static constexpr std::size_t kMostDevices = 4;              ///< of people, in a loop
 
   [[nodiscard]] bool operator==(const SceneFile&) const = default;
 };

@@ -28,6 +28,8 @@ std::vector<ToolPartKey> allPartKeys() {
       part.vector("at_mm", &ToolPart::at_m, ToolPartRanges::at_m, kMillimetres, "Centre from the tool's origin."),
       part.vector("turn_deg", &ToolPart::turn_rad, ToolPartRanges::turn_rad, kDegrees,
                   "Rotation about its centre: about x, then y, then z."),
+      part.count("copies", &ToolPart::copies, ToolPartRanges::count,
+                 "Number of such parts, evenly round the tool's z: the grousers of a wheel."),
   };
   keys.front().parameter = "form";
   return keys;

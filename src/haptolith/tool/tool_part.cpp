@@ -91,28 +91,37 @@ void validate(const ToolPart& part) {
   }
   requireEach("at_m", part.at_m, ToolPartRanges::at_m);
   requireEach("turn_rad", part.turn_rad, ToolPartRanges::turn_rad);
+  requireInRange("copies", part.copies, ToolPartRanges::count);
 }
 
 std::string drawn(std::span<const ToolPart> parts) {
-  requireInRange("number of parts", static_cast<double>(parts.size()), ToolPartRanges::count);
+  double count = 0;
+  for (const ToolPart& part : parts) {
+    validate(part);
+    count += part.copies;
+  }
+  requireInRange("number of parts", count, ToolPartRanges::count);
   std::string text;
   int first = 1;
   for (const ToolPart& part : parts) {
-    validate(part);
     const Solid solid = solidOf(part);
     const Quat turn = turnAboutXyz(part.turn_rad);
-    for (const Vec3& point_m : solid.points_m) {
-      const Vec3 at_mm = 1e3 * (turn * point_m + part.at_m);
-      fmt::format_to(std::back_inserter(text), "v {:.5f} {:.5f} {:.5f}\n", at_mm.x(), at_mm.y(), at_mm.z());
-    }
-    for (const std::vector<int>& face : solid.faces) {
-      text += 'f';
-      for (const int corner : face) {
-        fmt::format_to(std::back_inserter(text), " {}", first + corner);
+    for (int copy = 0; copy < part.copies; ++copy) {
+      const double angle_rad = 2 * std::numbers::pi * copy / part.copies;
+      for (const Vec3& point_m : solid.points_m) {
+        const Vec3 here_m = turn * point_m + part.at_m;
+        const Vec3 at_mm = 1e3 * (copy == 0 ? here_m : Vec3(turnAbout(Vec3::UnitZ(), angle_rad) * here_m));
+        fmt::format_to(std::back_inserter(text), "v {:.5f} {:.5f} {:.5f}\n", at_mm.x(), at_mm.y(), at_mm.z());
       }
-      text += '\n';
+      for (const std::vector<int>& face : solid.faces) {
+        text += 'f';
+        for (const int corner : face) {
+          fmt::format_to(std::back_inserter(text), " {}", first + corner);
+        }
+        text += '\n';
+      }
+      first += static_cast<int>(solid.points_m.size());
     }
-    first += static_cast<int>(solid.points_m.size());
   }
   return text;
 }

@@ -20,6 +20,7 @@ struct ToolPart {
   double length_m = 0.06;          ///< kCylinder: along its z
   Vec3 at_m = Vec3::Zero();        ///< its middle
   Vec3 turn_rad = Vec3::Zero();    ///< about x first, then y, then z
+  int copies = 1;                  ///< evenly round the tool's z, as the grousers of a wheel are
 
   [[nodiscard]] bool operator==(const ToolPart&) const = default;
 };
@@ -27,7 +28,7 @@ struct ToolPart {
 /// Valid ranges of a ToolPart, along each axis; read by validate() and scene files alike.
 struct ToolPartRanges {
   static constexpr Range length_m{0.5e-3, 1};  ///< thinner than a wall of a mesh cannot be felt on both sides
-  static constexpr Range count{1, 64};         ///< number of parts: a short file must not need gigabytes
+  static constexpr Range count{1, 64};         ///< number of parts, copies too: a short file must not need gigabytes
   static constexpr Range at_m{-1, 1};
   static constexpr Range turn_rad{-2 * std::numbers::pi, 2 * std::numbers::pi};
 };
