@@ -163,15 +163,15 @@ TEST(BuiltInTools, AreSolidWhereTheyShouldBeAndHollowWhereSoilGoes) {
     bool solid;
   };
   const Place places[]{
-      {"scoop", {0, 0, -10.3}, true},       {"scoop", {0, 0, 0}, false},       {"scoop", {-29.3, 0, 0}, true},
-      {"scoop", {29, 0, 0}, false},         {"scoop", {-10, 21.8, 0}, true},   {"bucket", {0, 0, 0}, false},
-      {"bucket", {15, 0, -21}, true},       {"bucket", {-17, 0, 10}, true},    {"bucket", {0, 24, 0}, true},
-      {"bucket", {36, 6.5, -21}, true},     {"bucket", {36, 0, -21}, false},   {"rake", {0, 14, -15}, true},
-      {"rake", {0, 7, -15}, false},         {"rake", {0, 7, 12}, true},        {"corer", {0, 0, 0}, false},
-      {"corer", {19.2, 0, 0}, true},        {"corer", {0, -19.2, 30}, true},   {"auger", {0, 0, 0}, true},
-      {"auger", {14.1, -5.1, -34.7}, true}, {"auger", {15, 0, -25}, false},    {"auger", {-15, 0, -24}, true},
-      {"wheel", {0, 0, 0}, true},           {"wheel", {39, 0, 0}, true},       {"wheel", {38, 10, 0}, false},
-      {"bucket-drum", {15, 0, 0}, false},   {"bucket-drum", {33, 1, 0}, true}, {"bucket-drum", {-8.5, 31.9, 0}, false}};
+      {"scoop", {0, 0, -10.3}, true},      {"scoop", {0, 0, 0}, false},       {"scoop", {-29.3, 0, 0}, true},
+      {"scoop", {29, 0, 0}, false},        {"scoop", {-10, 21.8, 0}, true},   {"bucket", {0, 0, 0}, false},
+      {"bucket", {15, 0, -21}, true},      {"bucket", {-17, 0, 10}, true},    {"bucket", {0, 24, 0}, true},
+      {"bucket", {36, 6.5, -21}, true},    {"bucket", {36, 0, -21}, false},   {"rake", {0, 14, -15}, true},
+      {"rake", {0, 7, -15}, false},        {"rake", {0, 7, 12}, true},        {"corer", {0, 0, 0}, false},
+      {"corer", {19.2, 0, 0}, true},       {"corer", {0, -19.2, 30}, true},   {"auger", {0, 0, 0}, true},
+      {"auger", {14.1, 5.1, -34.7}, true}, {"auger", {15, 0, -25}, false},    {"auger", {-15, 0, -24}, true},
+      {"wheel", {0, 0, 0}, true},          {"wheel", {39, 0, 0}, true},       {"wheel", {38, 10, 0}, false},
+      {"bucket-drum", {15, 0, 0}, false},  {"bucket-drum", {33, 1, 0}, true}, {"bucket-drum", {-8.5, 31.9, 0}, false}};
   SceneFile scene;  // the one before is kept until another is made
   for (const Place& place : places) {
     scene = sceneFileFromText(fmt::format("[tool]\nmodel = '{}'\n", place.tool), "x.toml");

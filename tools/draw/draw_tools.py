@@ -145,17 +145,17 @@ def auger():
     points = []
     for k in range(steps + 1):
         z = -37 + 72 * k / steps
-        angle = -2 * math.pi * (z + 37) / pitch
+        angle = 2 * math.pi * (z + 37) / pitch  # a right-handed screw, as drills are
         for radius in (3, 20):
             for dz in (0, thick):
                 points.append((radius * math.cos(angle), radius * math.sin(angle), z + dz))
-    faces = [[0, 1, 3, 2]]
+    faces = [[0, 2, 3, 1]]
     for k in range(steps):
         a, b = 4 * k, 4 * k + 4
         for i, j in ((0, 2), (2, 3), (3, 1), (1, 0)):
-            faces.append([a + i, a + j, b + j, b + i])
+            faces.append([a + i, b + i, b + j, a + j])
     end = 4 * steps
-    faces.append([end, end + 2, end + 3, end + 1])
+    faces.append([end, end + 1, end + 3, end + 2])
     tool.part(points, faces)
     return tool
 
