@@ -111,7 +111,6 @@ class Loop {
       : scene_(std::move(scene)),
         ticked_by_caller_((flags & HAPTO_LOOP_TICKED_BY_CALLER) != 0),
         keeps_ticks_((flags & HAPTO_LOOP_KEEPS_TICKS) != 0),
-        tool_fade_(scene_->scene().toolFade()),
         scene_file_(above(scene_->sceneFile(), scene_->scene().bed().surfaceHeight())),
         device_(deviceFor(scene_file_, device)),
         parameters_(pacedBy(scene_file_.loop, ticked_by_caller_)),
@@ -135,7 +134,7 @@ class Loop {
       stop();
     } catch (...) {  // it has ended all the same
     }
-    scene_->takeBack(conditionAfter(end_), tool_fade_);
+    scene_->takeBack(conditionAfter(end_));
   }
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
@@ -261,14 +260,18 @@ class Loop {
 
   void change(const std::vector<std::string>& overrides) {
     const SceneChanges changes = scene_->planned(overrides);
+    if (!changes.tools.empty() && changes.tools.back().tool > 0) {
+      throw InvalidParameter("tools", scene_->toolNames()[changes.tools.back().tool],
+                             "keys of the first tool; a loop changes no other");
+    }
     if (changes.gravity_m_s2) {
       ask(request::Gravity{*changes.gravity_m_s2});
     }
     if (changes.laws) {
       ask(request::Soil{*changes.laws});
     }
-    if (changes.tool) {
-      ask(request::Replace{request::ReplaceTool{*changes.tool}});
+    for (const ToolChange& change : changes.tools) {
+      ask(request::Replace{request::ReplaceTool{change.parameters}});
     }
     scene_->note(changes);
   }
@@ -286,7 +289,6 @@ class Loop {
 
   Claim<hapto_scene> scene_;
   bool ticked_by_caller_, keeps_ticks_;
-  double tool_fade_;  ///< before the loop
   SceneFile scene_file_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;
