@@ -1,6 +1,7 @@
 // Scenes with several tools.
 
 #include <gmock/gmock.h>
+#include <haptolith/haptolith.hpp>
 
 #include <algorithm>
 #include <array>
@@ -436,6 +437,44 @@ TEST(LibraryTools, AStateOfOtherToolsIsRefused) {
     EXPECT_EQ(hapto_scene_set_state(scene.get(), bytes.data(), bytes.size()), HAPTO_INVALID_PARAMETER);
   }
   EXPECT_EQ(stateBytes(scene.get()), own);
+}
+
+TEST(LibraryTools, TheWrapperGivesTheSame) {
+  hapto::Scene scene = hapto::Scene::fromToml(kThree);
+  const ScenePtr plain = sceneOf(kThree);
+  const double surface_m = surfaceOf(plain.get());
+  ASSERT_EQ(scene.tools(), kTools);
+  EXPECT_EQ(scene.toolName(2), "wheel");
+  EXPECT_EQ(scene.findTool("ball"), 1U);
+  const std::vector<hapto_wrench> expected = digWithAll(plain.get(), surface_m, 0, 150);
+  for (int tick = 0; tick < 150; ++tick) {
+    const Poses poses = allDipping(surface_m, tick);
+    const std::vector<hapto_wrench> felt = tick % 2 == 0
+                                               ? scene.stepTools(std::vector(poses.begin(), poses.end()))
+                                               : [&] {
+                                                   const auto now = scene.stepTools(poses);
+                                                   return std::vector(now.begin(), now.end());
+                                                 }();
+    for (std::size_t i = 0; i < kTools; ++i) {
+      ASSERT_TRUE(same(felt[i], expected[kTools * static_cast<std::size_t>(tick) + i])) << tick;
+    }
+  }
+  EXPECT_TRUE(same(scene.toolState(1).soil_wrench, expected[expected.size() - 2]));
+  scene.setDrive(2, 1);
+  scene.setToolFade(1, 0.5);
+  scene.setOpening(1, 0.5);
+  scene.placeTool(1, {{0, 0, 0.2}, {1, 0, 0, 0}});
+  EXPECT_EQ(scene.toolState(1).fade, 0.5);
+  EXPECT_EQ(scene.toolState(1).scene_T_tool.position_m[2], 0.2);
+  EXPECT_THAT([&] { (void)scene.stepTools(std::vector<hapto_pose>(2)); },
+              testing::ThrowsMessage<hapto::Error>(HasSubstr("not as many tools as there are poses")));
+  EXPECT_THAT([&] { (void)scene.findTool("hoe"); },
+              testing::ThrowsMessage<hapto::Error>(HasSubstr("one of shovel, ball, wheel")));
+  std::vector<hapto::Scene> scenes;
+  scenes.push_back(scene.clone());
+  const Poses poses = allDipping(surface_m, 150);
+  const std::vector<hapto_wrench> felt = hapto::Batch(scenes, 1).stepTools(1, {poses.begin(), poses.end()});
+  EXPECT_TRUE(same(felt, scene.stepTools(std::vector(poses.begin(), poses.end()))));
 }
 
 TEST(LibraryTools, ABatchStepsThemAll) {
