@@ -194,14 +194,16 @@ static unsafe class LibraryTests
         Expect.Equal(scene.FindTool("left"), 0, "number");
         Expect.Equal(Expect.Throws<InvalidParameterException>(() => scene.FindTool("hoe")).Valid, "one of left, wheel", "valid");
         Pose above = Pose.At(0, 0, scene.Info.surface_m + 0.1);
-        foreach (Pose pose in Way(single, 60))
+        Pose[] way = Way(single, 60);
+        scene.PlaceTool(way[0]);
+        foreach (Pose pose in way)
         {
           Expect.Equal(scene.Step(pose).Force_N.Z, single.Step(pose).Force_N.Z, "the first tool's force with old calls");
         }
         Expect.Equal(scene.ToolState(1).in_soil, 0, "the second is not in the soil");
         Wrench[] felt = new Wrench[2];
         scene.PlaceTool(1, above);
-        foreach (Pose pose in Way(single, 60))
+        foreach (Pose pose in way)
         {
           scene.StepTools(new[] { pose, above }, felt);
           Expect.Equal(felt[0].Force_N.Z, single.Step(pose).Force_N.Z, "the first tool's force");
