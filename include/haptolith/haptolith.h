@@ -183,8 +183,8 @@ typedef struct hapto_scene_info {
   double mass_kg;     /* of one of that radius */
   double width_m, length_m;  /* of the box, along x and y */
   double surface_m;          /* height of the topmost particle's top above the floor */
-  double opening_m;          /* between the tool's jaws */
-  double tool_fade;          /* 1: the tool touches the soil with all its stiffness */
+  double opening_m;          /* between the jaws of the first tool */
+  double tool_fade;          /* 1: the first tool touches the soil with all its stiffness */
   double energy_j;           /* kinetic, gravitational and of contacts; gravity's zero is the origin */
   double gravity_m_s2[3];
 } hapto_scene_info;
@@ -421,8 +421,8 @@ typedef struct hapto_device {
 } hapto_device;
 
 /* A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
- * [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY. Of
- * several tools the device moves the first.
+ * [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
+ * The device moves the first tool.
  * device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
  *         NULL: the device that the scene's [device] names, a virtual hand by default.
  * flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread. */

@@ -199,7 +199,7 @@ TEST(LibraryTools, OldCallsAreForTheFirstAndLeaveTheOthersOutOfTheSoil) {
   const hapto_pose after = stateOf(scene.get(), 1).scene_T_tool;
   EXPECT_EQ(std::memcmp(&after, &before, sizeof before), 0) << "where it was";
 
-  // Placed inside the soil, the ball is felt from the next tick on, and stays where it is.
+  // Placed inside the soil, the sphere is felt from the next tick on, and stays where it is.
   const hapto_pose in_soil{{-0.1, 0, surface_m - 0.01}, {1, 0, 0, 0}};
   expectOk(hapto_scene_tool_place(scene.get(), 1, &in_soil));
   EXPECT_EQ(stateOf(scene.get(), 1).in_soil, 1);
@@ -449,12 +449,11 @@ TEST(LibraryTools, TheWrapperGivesTheSame) {
   const std::vector<hapto_wrench> expected = digWithAll(plain.get(), surface_m, 0, 150);
   for (int tick = 0; tick < 150; ++tick) {
     const Poses poses = allDipping(surface_m, tick);
-    const std::vector<hapto_wrench> felt = tick % 2 == 0
-                                               ? scene.stepTools(std::vector(poses.begin(), poses.end()))
-                                               : [&] {
-                                                   const auto now = scene.stepTools(poses);
-                                                   return std::vector(now.begin(), now.end());
-                                                 }();
+    const std::vector<hapto_wrench> felt =
+        tick % 2 == 0 ? scene.stepTools(std::vector(poses.begin(), poses.end())) : [&] {
+          const auto now = scene.stepTools(poses);
+          return std::vector(now.begin(), now.end());
+        }();
     for (std::size_t i = 0; i < kTools; ++i) {
       ASSERT_TRUE(same(felt[i], expected[kTools * static_cast<std::size_t>(tick) + i])) << tick;
     }

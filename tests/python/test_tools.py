@@ -201,7 +201,7 @@ def test_objects_print_what_they_are(two, tmp_path):
             for _ in range(20):
                 loop.tick()
             recorder.finish()
-            assert repr(loop).startswith("<haptolith.Loop with the scene's device: running, 1")  # of 20, in the snapshot
+            assert repr(loop).startswith("<haptolith.Loop with the scene's device: running, 1")  # the last snapshot is older than tick 20
             snapshot = repr(loop.snapshot())
             assert snapshot.startswith("<haptolith.Snapshot: running, 0.0") and len(snapshot) < 300
             assert "run.h5: 20 ticks" in repr(recorder) and repr(recorder.info).startswith("RecorderInfo(ticks=20,")

@@ -50,7 +50,7 @@ class Batch {
     std::int32_t* status = nullptr;
   };
 
-  /// Of all scenes together.
+  /// Number of tools of all scenes together.
   [[nodiscard]] std::uint64_t tools() const noexcept { return all_tools_; }
 
   std::int32_t step(const Work& work) {
@@ -129,8 +129,8 @@ class Batch {
   }
 
   const std::vector<hapto_scene*> scenes_;
-  const std::vector<std::uint32_t> tools_;   ///< of each scene
-  std::vector<std::uint64_t> tools_before_;  ///< of the scenes before each
+  const std::vector<std::uint32_t> tools_;   ///< tools of each scene
+  std::vector<std::uint64_t> tools_before_;  ///< tools of the scenes before each
   std::uint64_t all_tools_ = 0;
   Work work_;
   std::atomic<std::size_t> next_{0};

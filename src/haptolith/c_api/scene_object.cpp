@@ -29,7 +29,7 @@ struct Header {
   std::uint64_t hash = 0;  ///< XXH3 of all that follows
 };
 
-/// How a tool is used, in those bytes.
+/// Use of a tool, in those bytes.
 struct SavedUse {
   double opening = 1, fade = 1;
   std::uint64_t in_soil = 1;
@@ -73,7 +73,7 @@ std::vector<std::string> namesOf(const SceneFile& scene) {
   return {names.begin(), names.end()};
 }
 
-/// What a joint's drive holds; null where it holds nothing.
+/// Value that a joint's drive holds; null where it holds nothing.
 double* heldBy(Joint& joint) noexcept {
   switch (joint.drive) {
     case Drive::kSpeed: return &joint.speed_rad_s;
@@ -127,7 +127,7 @@ SceneObject::SceneObject(const SceneFile& scene_file, const SettleProgress& prog
   placeAtStart();
 }
 
-/// Each tool above the soil, where those that nobody has moved yet are in nobody's way.
+/// Puts each tool above the soil. Tools other than the first touch nothing until they are placed or stepped.
 void SceneObject::placeAtStart() noexcept {
   const double surface_m = scene_->bed().surfaceHeight();
   for (std::size_t i = 0; i < scene_->tools(); ++i) {

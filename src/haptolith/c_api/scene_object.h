@@ -85,10 +85,10 @@ class SceneObject {
 
  private:
   struct Saved;
-  /// How a tool is used.
+  /// Use of a tool.
   struct ToolUse {
-    double opening = 1;  ///< of jaws at the end of the next tick
-    double fade = 1;     ///< as asked for; 0 in the scene until it is in the soil
+    double opening = 1;  ///< opening of jaws at the end of the next tick
+    double fade = 1;     ///< requested fraction; the scene has 0 until the tool is in the soil
     bool in_soil = true;
   };
   using ToolUses = std::array<ToolUse, ToolSet::kMost>;

@@ -80,8 +80,8 @@ namespace Haptolith
     public double width_m;  // of the box, along x and y
     public double length_m;
     public double surface_m;  // height of the topmost particle's top above the floor
-    public double opening_m;  // between the tool's jaws
-    public double tool_fade;  // 1: the tool touches the soil with all its stiffness
+    public double opening_m;  // between the jaws of the first tool
+    public double tool_fade;  // 1: the first tool touches the soil with all its stiffness
     public double energy_j;  // kinetic, gravitational and of contacts; gravity's zero is the origin
     public fixed double gravity_m_s2[3];
   }
@@ -671,8 +671,8 @@ namespace Haptolith
 
     /// <summary>
     /// A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
-    /// [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY. Of
-    /// several tools the device moves the first.
+    /// [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
+    /// The device moves the first tool.
     /// device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
     ///         NULL: the device that the scene's [device] names, a virtual hand by default.
     /// flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread.
