@@ -260,10 +260,6 @@ class Loop {
 
   void change(const std::vector<std::string>& overrides) {
     const SceneChanges changes = scene_->planned(overrides);
-    if (!changes.tools.empty() && changes.tools.back().tool > 0) {
-      throw InvalidParameter("tools", scene_->toolNames()[changes.tools.back().tool],
-                             "keys of the first tool; a loop changes no other");
-    }
     if (changes.gravity_m_s2) {
       ask(request::Gravity{*changes.gravity_m_s2});
     }
@@ -271,7 +267,7 @@ class Loop {
       ask(request::Soil{*changes.laws});
     }
     for (const ToolChange& change : changes.tools) {
-      ask(request::Replace{request::ReplaceTool{change.parameters}});
+      ask(request::Replace{request::ReplaceTool{change.parameters, change.tool}});
     }
     scene_->note(changes);
   }

@@ -433,8 +433,8 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
 
 void SceneObject::takeBack(std::int32_t condition) {
   condition_ = condition;
-  scene_->setToolFade(uses_[0].fade);
   for (std::size_t i = 0; i < scene_->tools(); ++i) {
+    scene_->setToolFade(uses_[i].in_soil ? uses_[i].fade : 0, i);
     setTool(i, toolOf(scene_file_, i));
   }
   Bed& bed = scene_->bed();

@@ -672,7 +672,7 @@ namespace Haptolith
     /// <summary>
     /// A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
     /// [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
-    /// The device moves the first tool.
+    /// The device moves the first tool; others do not touch the soil until then.
     /// device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
     ///         NULL: the device that the scene's [device] names, a virtual hand by default.
     /// flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread.
