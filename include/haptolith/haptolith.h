@@ -76,7 +76,8 @@ enum {
   HAPTO_WRONG_SIZE = 9,        /* a struct whose `size` is less than that of its first version */
   HAPTO_TOO_SMALL = 10,        /* the buffer; nothing has been written but how much is needed */
   HAPTO_NO_MEMORY = 11,
-  HAPTO_ENDED = 12 /* the loop has ended: hapto_loop_snapshot() says why */
+  HAPTO_ENDED = 12,     /* the loop has ended: hapto_loop_snapshot() says why */
+  HAPTO_WRONG_TOOL = 13 /* the scene has no tool of this number, or not as many tools as there are poses */
 };
 
 /* The last error of a function that this thread has called. Texts are never NULL, may be empty, and are valid until
@@ -149,7 +150,7 @@ HAPTO_API int32_t hapto_result_destroy(hapto_result *result);
 /* Available items, as {"names": [...]}: "scenes", "soils", "presets", "bodies", "lab tests" or "instruction set" (the one in use). */
 HAPTO_API int32_t hapto_list(const char *what, hapto_result **out);
 
-/* --- scenes: soil in a box and a tool ------------------------------------------------------------------------------ */
+/* --- scenes: soil in a box and a tool, or several ------------------------------------------------------------------- */
 
 /* A scene from the text of a scene file; NULL or "" is the scene icra2021.
  * name       its name in messages; NULL: "scene". Files that it names are relative to that name.
@@ -182,8 +183,8 @@ typedef struct hapto_scene_info {
   double mass_kg;     /* of one of that radius */
   double width_m, length_m;  /* of the box, along x and y */
   double surface_m;          /* height of the topmost particle's top above the floor */
-  double opening_m;          /* between the tool's jaws */
-  double tool_fade;          /* 1: the tool touches the soil with all its stiffness */
+  double opening_m;          /* between the jaws of the first tool */
+  double tool_fade;          /* 1: the first tool touches the soil with all its stiffness */
   double energy_j;           /* kinetic, gravitational and of contacts; gravity's zero is the origin */
   double gravity_m_s2[3];
 } hapto_scene_info;
@@ -227,9 +228,58 @@ HAPTO_API int32_t hapto_scene_set_tool_fade(hapto_scene *scene, double share);
  * sleeps. [1 kHz] */
 HAPTO_API int32_t hapto_scene_set_gravity(hapto_scene *scene, const double m_s2[3]);
 
-/* Changes soil, gravity or tool of the soil as it lies, by overrides: "gravity.body=Mars", "tool.diameter_mm=40".
- * HAPTO_INVALID_PARAMETER when that needs another bed: another particle radius, more steps in a tick, any other table. */
+/* Changes soil, gravity or tools of the soil as it lies, by overrides: "gravity.body=Mars", "tool.diameter_mm=40" (every
+ * tool), "tools.left.friction=0.4". HAPTO_INVALID_PARAMETER when that needs another bed: another particle radius, more
+ * steps in a tick, any other table. */
 HAPTO_API int32_t hapto_scene_change(hapto_scene *scene, const char *const *overrides, uint32_t count);
+
+/* Scenes with several [[tools]], up to 16, have numbers for them from 0 on, in the order of the file. Each tool starts
+ * [mapping] offset_mm above the soil. A tool other than the first does not touch the soil until it is placed or stepped
+ * for the first time. Functions without a tool's number are for the first tool; the others then stay where they are. */
+HAPTO_API int32_t hapto_scene_tools(const hapto_scene *scene, uint32_t *count); /* [1 kHz] */
+/* Name of a tool, "tool" in a scene without [[tools]]; valid until the scene is destroyed. [1 kHz] */
+HAPTO_API int32_t hapto_scene_tool_name(const hapto_scene *scene, uint32_t tool, const char **name);
+/* Number of the tool with a name. HAPTO_INVALID_PARAMETER with the names when there is none. */
+HAPTO_API int32_t hapto_scene_find_tool(const hapto_scene *scene, const char *name, uint32_t *tool);
+
+/* One tick of all tools, as hapto_scene_step(): poses[k], twists[k] (or NULL) give soil_wrenches[k] (or NULL).
+ * count  of poses: the number of tools, else HAPTO_WRONG_TOOL.
+ * Nothing moves when a pose is not valid. [1 kHz] */
+HAPTO_API int32_t hapto_scene_step_tools(hapto_scene *scene, const hapto_pose *poses, const hapto_twist *twists,
+                                         uint32_t count, hapto_wrench *soil_wrenches);
+/* `ticks` of it, as hapto_scene_steps(): poses[t * count + k]. [1 kHz] in cost a tick. */
+HAPTO_API int32_t hapto_scene_steps_tools(hapto_scene *scene, uint64_t ticks, const hapto_pose *poses,
+                                          const hapto_twist *twists, uint32_t count, hapto_wrench *soil_wrenches,
+                                          uint64_t *done);
+/* As hapto_scene_place_tool(), hapto_scene_set_opening(), hapto_scene_set_tool_fade(). [1 kHz] */
+HAPTO_API int32_t hapto_scene_tool_place(hapto_scene *scene, uint32_t tool, const hapto_pose *scene_T_tool);
+HAPTO_API int32_t hapto_scene_tool_set_opening(hapto_scene *scene, uint32_t tool, double share);
+HAPTO_API int32_t hapto_scene_tool_set_fade(hapto_scene *scene, uint32_t tool, double share);
+/* Sets the speed in rad/s or the torque in N m of a joint's drive from the next tick on, in the valid range of its key.
+ * HAPTO_INVALID_PARAMETER also for a tool with neither. [1 kHz] */
+HAPTO_API int32_t hapto_scene_tool_set_drive(hapto_scene *scene, uint32_t tool, double value);
+
+enum { HAPTO_DRIVE_NONE = 0, HAPTO_DRIVE_SPEED = 1, HAPTO_DRIVE_TORQUE = 2, HAPTO_DRIVE_FREE = 3 };
+/* A tool after the last tick. Means over that tick: soil_wrench, grip_force_n and the torques, which act on the tool about
+ * the joint's axis. */
+typedef struct hapto_tool_state {
+  uint32_t size;
+  int32_t in_soil;            /* 0: it has not been placed or stepped yet */
+  int32_t drive;              /* of its joint: HAPTO_DRIVE_... */
+  uint32_t reserved;
+  hapto_pose scene_T_tool;    /* as given; of the hub that the hand holds, if it has a joint */
+  hapto_pose scene_T_turned;  /* as its joint has turned it: where its shape is */
+  hapto_wrench soil_wrench;   /* soil on tool, about the origin of scene_T_tool, scene frame, unfiltered */
+  double angle_rad;           /* of the joint, -pi to pi */
+  double speed_rad_s;
+  double soil_torque_nm;
+  double motor_torque_nm;
+  double opening_m;           /* between jaws */
+  double grip_force_n;        /* of the soil that opened them */
+  double fade;
+  double stiffness_n_m[9];    /* as hapto_scene_get_contact_stiffness() */
+} hapto_tool_state;
+HAPTO_API int32_t hapto_scene_tool_get_state(const hapto_scene *scene, uint32_t tool, hapto_tool_state *out); /* [1 kHz] */
 
 enum {
   HAPTO_POSITION = 1,     /* centres, m, 3 of HAPTO_FLOAT32; view and copy */
@@ -266,6 +316,11 @@ HAPTO_API int32_t hapto_batch_create(hapto_scene *const *scenes, uint32_t count,
  * returned. */
 HAPTO_API int32_t hapto_batch_step(hapto_batch *batch, uint64_t ticks, const hapto_pose *poses, const hapto_twist *twists,
                                    hapto_wrench *soil_wrenches, int32_t *status);
+/* As above with the poses of all tools: for each scene, for each tick, for each tool one, in this order.
+ * count  of poses, else HAPTO_WRONG_TOOL. */
+HAPTO_API int32_t hapto_batch_step_tools(hapto_batch *batch, uint64_t ticks, const hapto_pose *poses,
+                                         const hapto_twist *twists, uint64_t count, hapto_wrench *soil_wrenches,
+                                         int32_t *status);
 HAPTO_API int32_t hapto_batch_destroy(hapto_batch *batch);
 
 /* --- soils ---------------------------------------------------------------------------------------------------------- */
@@ -367,6 +422,7 @@ typedef struct hapto_device {
 
 /* A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
  * [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
+ * The device moves the first tool; others do not touch the soil until then.
  * device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
  *         NULL: the device that the scene's [device] names, a virtual hand by default.
  * flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread. */

@@ -180,7 +180,7 @@ inline Result list(const std::string &what) {
   return Result(made);
 }
 
-/// Soil in a box and a tool.
+/// Soil in a box and a tool, or several. Functions without a tool's number are for the first.
 class Scene {
  public:
   using Overrides = std::vector<std::string>;
@@ -226,6 +226,54 @@ class Scene {
     require(hapto_scene_steps(get(), poses.size(), poses.data(), nullptr, soil_wrenches.data(), nullptr));
     return soil_wrenches;
   }
+
+  /// The number of its tools.
+  std::uint32_t tools() const {
+    std::uint32_t count = 0;
+    require(hapto_scene_tools(get(), &count));
+    return count;
+  }
+  std::string toolName(std::uint32_t tool) const {
+    const char *name = nullptr;
+    require(hapto_scene_tool_name(get(), tool, &name));
+    return name;
+  }
+  std::uint32_t findTool(const std::string &name) const {
+    std::uint32_t tool = 0;
+    require(hapto_scene_find_tool(get(), name.c_str(), &tool));
+    return tool;
+  }
+  /// One tick of all `count` tools; fills soil_wrenches, unless it is null. Allocates nothing.
+  void stepTools(const hapto_pose *poses, std::uint32_t count, hapto_wrench *soil_wrenches,
+                 const hapto_twist *twists = nullptr) {
+    require(hapto_scene_step_tools(get(), poses, twists, count, soil_wrenches));
+  }
+  /// As above with a pose for each tool; gives the soil wrench of each.
+  template <std::size_t kCount>
+  std::array<hapto_wrench, kCount> stepTools(const std::array<hapto_pose, kCount> &poses) {
+    std::array<hapto_wrench, kCount> soil_wrenches;
+    stepTools(poses.data(), static_cast<std::uint32_t>(kCount), soil_wrenches.data());
+    return soil_wrenches;
+  }
+  std::vector<hapto_wrench> stepTools(const std::vector<hapto_pose> &poses) {
+    std::vector<hapto_wrench> soil_wrenches(poses.size());
+    stepTools(poses.data(), static_cast<std::uint32_t>(poses.size()), soil_wrenches.data());
+    return soil_wrenches;
+  }
+  /// Pose, soil wrench, joint, stiffness of a tool.
+  hapto_tool_state toolState(std::uint32_t tool) const {
+    auto state = sized<hapto_tool_state>();
+    require(hapto_scene_tool_get_state(get(), tool, &state));
+    return state;
+  }
+  void placeTool(std::uint32_t tool, const hapto_pose &scene_T_tool) {
+    require(hapto_scene_tool_place(get(), tool, &scene_T_tool));
+  }
+  void setOpening(std::uint32_t tool, double share) { require(hapto_scene_tool_set_opening(get(), tool, share)); }
+  void setToolFade(std::uint32_t tool, double share) { require(hapto_scene_tool_set_fade(get(), tool, share)); }
+  /// Speed in rad/s or torque in N m of the drive of the tool's joint.
+  void setDrive(std::uint32_t tool, double value) { require(hapto_scene_tool_set_drive(get(), tool, value)); }
+
   void placeTool(const hapto_pose &scene_T_tool) { require(hapto_scene_place_tool(get(), &scene_T_tool)); }
   hapto_pose toolPose() const {
     hapto_pose pose;
@@ -357,6 +405,12 @@ class Batch {
     }
     std::vector<hapto_wrench> soil_wrenches(poses.size());
     require(hapto_batch_step(handle_.get(), ticks, poses.data(), nullptr, soil_wrenches.data(), nullptr));
+    return soil_wrenches;
+  }
+  /// Poses of all tools: for each scene, for each tick, for each tool one.
+  std::vector<hapto_wrench> stepTools(std::uint64_t ticks, const std::vector<hapto_pose> &poses) {
+    std::vector<hapto_wrench> soil_wrenches(poses.size());
+    require(hapto_batch_step_tools(handle_.get(), ticks, poses.data(), nullptr, poses.size(), soil_wrenches.data(), nullptr));
     return soil_wrenches;
   }
 

@@ -20,12 +20,14 @@ from .psychometrics import fit_psychometric
 from .safety import Safety, SafetyInfo
 from .scene import Scene, SceneInfo, scenes
 from .soil import Soil, calibrate, presets, soils
+from .tool import Joint, Tool, Tools
 from .values import Pose, Wrench
 
 __version__ = _library_version()
 
 __all__ = [
-    "Batch", "Busy", "Collapsed", "Device", "DeviceInput", "Failure", "HaptolithError", "InvalidParameter", "Limits",
-    "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "TickFlag", "Trip", "Wrench",
+    "Batch", "Busy", "Collapsed", "Device", "DeviceInput", "Failure", "HaptolithError", "InvalidParameter", "Joint", "Limits",
+    "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "TickFlag", "Tool", "Tools", "Trip",
+    "Wrench",
     "calibrate", "fit_psychometric", "lab_test", "lab_tests", "presets", "scenes", "soils",
 ]

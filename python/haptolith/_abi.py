@@ -43,6 +43,13 @@ class SceneInfo(Structure):
                 ("energy_j", c_double), ("gravity_m_s2", c_double * 3)]
 
 
+class ToolState(Structure):
+    _fields_ = [("size", c_uint32), ("in_soil", c_int32), ("drive", c_int32), ("reserved", c_uint32),
+                ("scene_T_tool", Pose), ("scene_T_turned", Pose), ("soil_wrench", Wrench), ("angle_rad", c_double),
+                ("speed_rad_s", c_double), ("soil_torque_nm", c_double), ("motor_torque_nm", c_double),
+                ("opening_m", c_double), ("grip_force_n", c_double), ("fade", c_double), ("stiffness_n_m", c_double * 9)]
+
+
 class DeviceLimits(Structure):
     _fields_ = [("size", c_uint32), ("turns", c_int32), ("shows_force", c_int32), ("grips", c_int32),
                 ("delay_known", c_int32), ("simulated", c_int32), ("max_force_n", c_double),
@@ -115,13 +122,13 @@ class SafetyInfo(Structure):
 # The structs by their names in C, for the test that compares their layout.
 STRUCTS: dict[str, type[Structure]] = {
     "hapto_error": Error, "hapto_pose": Pose, "hapto_twist": Twist, "hapto_wrench": Wrench, "hapto_array": Array,
-    "hapto_scene_info": SceneInfo, "hapto_device_limits": DeviceLimits, "hapto_device_input": DeviceInput,
+    "hapto_scene_info": SceneInfo, "hapto_tool_state": ToolState, "hapto_device_limits": DeviceLimits, "hapto_device_input": DeviceInput,
     "hapto_device_output": DeviceOutput, "hapto_device": Device, "hapto_snapshot": Snapshot, "hapto_tick": Tick,
     "hapto_safety_info": SafetyInfo,
 }
 
 OK, INVALID_PARAMETER, FAILURE, STOPPED, NOT_FINITE, COLLAPSED, BUSY, DESTROYED = range(8)
-NULL, WRONG_SIZE, TOO_SMALL, NO_MEMORY, ENDED = range(8, 13)
+NULL, WRONG_SIZE, TOO_SMALL, NO_MEMORY, ENDED, WRONG_TOOL = range(8, 14)
 POSITION, VELOCITY, RADIUS, ASLEEP, HELD, CONTACT_LOAD = range(1, 7)
 TICKED_BY_CALLER, KEEPS_TICKS, HASHES = 1, 2, 4
 
@@ -160,6 +167,16 @@ SIGNATURES: dict[str, list[Any]] = {
     "hapto_scene_set_tool_fade": [_H, c_double],
     "hapto_scene_set_gravity": [_H, _H],
     "hapto_scene_change": [_H, _TEXTS, c_uint32],
+    "hapto_scene_tools": [_H, POINTER(c_uint32)],
+    "hapto_scene_tool_name": [_H, c_uint32, POINTER(c_char_p)],
+    "hapto_scene_find_tool": [_H, c_char_p, POINTER(c_uint32)],
+    "hapto_scene_step_tools": [_H, _H, _H, c_uint32, _H],
+    "hapto_scene_steps_tools": [_H, c_uint64, _H, _H, c_uint32, _H, _COUNT],
+    "hapto_scene_tool_place": [_H, c_uint32, _H],
+    "hapto_scene_tool_set_opening": [_H, c_uint32, c_double],
+    "hapto_scene_tool_set_fade": [_H, c_uint32, c_double],
+    "hapto_scene_tool_set_drive": [_H, c_uint32, c_double],
+    "hapto_scene_tool_get_state": [_H, c_uint32, POINTER(ToolState)],
     "hapto_scene_view": [_H, c_int32, POINTER(Array)],
     "hapto_scene_copy": [_H, c_int32, _H, c_uint64],
     "hapto_scene_get_state": [_H, _H, c_uint64, _COUNT],
@@ -168,6 +185,7 @@ SIGNATURES: dict[str, list[Any]] = {
     "hapto_scene_state_hash": [_H, _COUNT],
     "hapto_batch_create": [_OUT, c_uint32, c_uint32, _OUT],
     "hapto_batch_step": [_H, c_uint64, _H, _H, _H, _H],
+    "hapto_batch_step_tools": [_H, c_uint64, _H, _H, c_uint64, _H, _H],
     "hapto_batch_destroy": [_H],
     "hapto_soil_find": [c_char_p, _OUT],
     "hapto_soil_from_toml": [c_char_p, c_char_p, _OUT],

@@ -70,6 +70,9 @@ class Episode:
         self.lifted_kg = 0.0
         self.lifted_before_kg = 0.0
 
+    def __repr__(self) -> str:
+        return f"<haptolith.gym.Episode: {self.steps} actions, {self.lifted_kg:.3g} kg above the surface, {self.scene!r}>"
+
     def begin(self, random: np.random.Generator) -> None:
         """Undisturbed soil, the tool somewhere above it."""
         self.scene.state = self.start
@@ -128,7 +131,7 @@ def _observation_space(grid: int) -> Any:
 class DigEnv:
     """A tool that digs. action (3,) in -1 to 1: the tool's velocity over speed_m_s, for ticks_per_action ticks of 1 ms.
 
-    scene: a Scene, or the name or file of one. The same seed and actions give the same episode, bit for bit."""
+    scene: a Scene, or the name or file of one; of several tools the first digs. The same seed and actions give the same episode, bit for bit."""
 
     metadata: dict[str, Any] = {"render_modes": []}
     render_mode = None
@@ -182,6 +185,9 @@ class VecDigEnv:
         self.metadata = {**first.metadata, "autoreset_mode": _next_step()}
         self._batch = Batch([env.episode.scene for env in self.envs], threads)
         self._ended = np.zeros(n, np.bool_)
+
+    def __repr__(self) -> str:
+        return f"<haptolith.gym.VecDigEnv of {self.num_envs}: {self.envs[0]!r}>"
 
     def reset(self, *, seed: Union[None, int, Sequence[Optional[int]]] = None,
               options: Optional[Mapping[str, Any]] = None) -> tuple[Observation, dict[str, Any]]:

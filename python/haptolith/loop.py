@@ -73,6 +73,9 @@ class Device:
     def write(self, force_n: Floats, torque_nm: Floats) -> None:
         """Renders force and torque, (3,) each, about the handle's origin, device frame."""
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} '{self.name}'>"
+
 
 class Trip(IntEnum):
     """Why the safety layer makes the hand feel nothing: `trip` of ticks, as HAPTO_TRIP_... in haptolith.h."""
@@ -107,7 +110,7 @@ class TickFlag(IntFlag):
     GRAIN_MOVED = 4096  # deprecated
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Snapshot:
     """A picture of a running scene; positions (n, 3) m, scene frame, is a copy.
 
@@ -142,6 +145,13 @@ class Snapshot:
     soil_torque_nm: Floats
     device_force_n: Floats
     device_torque_nm: Floats
+
+    def __repr__(self) -> str:
+        state = "paused" if self.paused else "running" if self.running else f"ended ({self.end or 'not started'})"
+        trip = f", no force: {self.trip}" if self.trip else ""
+        tool = ", ".join(f"{1e3 * v:.1f}" for v in self.tool_pose[:3])
+        return (f"<haptolith.Snapshot: {state}{trip}, {self.time_s:.3f} s, {self.ticks} ticks, {self.deadline_misses} late, tool at "
+                f"({tool}) mm, soil force {np.array2string(self.soil_force_n, precision=3)} N, {len(self.positions)} particles>")
 
 
 class Loop(Owned):
@@ -222,6 +232,17 @@ class Loop(Owned):
         require(_lib.hapto_loop_take_ticks(self.address, ticks, most, ctypes.byref(count), None))
         taken: npt.NDArray[Any] = np.frombuffer(memoryview(ticks), dtype=_abi.TICK)[: count.value].copy()
         return taken
+
+    def __repr__(self) -> str:
+        if not self._handle:
+            return "<haptolith.Loop, closed>"
+        device = self.device.name if self.device is not None else "the scene's device"
+        now = _abi.sized(_abi.Snapshot)
+        if _lib.hapto_loop_snapshot(self._handle, now) != _abi.OK:  # another thread takes a snapshot
+            return f"<haptolith.Loop with {device}>"
+        state = "paused" if now.paused else "running" if now.running else f"ended: {now.end.decode()}" if now.end else "not started"
+        trip = f", no force: {now.trip.decode()}" if now.trip else ""
+        return f"<haptolith.Loop with {device}: {state}, {now.ticks} ticks, {now.deadline_misses} late{trip}>"
 
     def close(self) -> None:
         """Stops it and gives the scene back."""

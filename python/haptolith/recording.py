@@ -29,6 +29,10 @@ class RecorderInfo(ctypes.Structure):
                 ("frames", ctypes.c_uint64), ("events", ctypes.c_uint64), ("bytes", ctypes.c_uint64),
                 ("missing", ctypes.c_uint64), ("frames_left_out", ctypes.c_uint64)]
 
+    def __repr__(self) -> str:
+        return (f"RecorderInfo(ticks={self.ticks}, frames={self.frames}, events={self.events}, bytes={self.bytes}, "
+                f"missing={self.missing}, frames_left_out={self.frames_left_out})")
+
 
 class _Info(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("finished", ctypes.c_int32), ("ticks", ctypes.c_uint64),
@@ -84,6 +88,13 @@ class Recorder(Owned):
                                            ctypes.byref(out)))
         self._handle = out.value
         self._held = loop
+        self.path = Path(path)
+
+    def __repr__(self) -> str:
+        if not self._handle:
+            return f"<haptolith.Recorder {self.path}, closed>"
+        info = self.info
+        return f"<haptolith.Recorder {self.path}: {info.ticks} ticks, {info.frames} frames, {info.bytes} bytes>"
 
     def take(self) -> None:
         """Takes what is new into the file: call it every second or more often. Raises Failure when the disk is full."""
@@ -192,4 +203,7 @@ class Recording(Owned):
         return self._ticks
 
     def __repr__(self) -> str:
-        return f"<haptolith.Recording {self.path}: {self._ticks} ticks, {self.frames} pictures>"
+        state = "" if self.finished else ", not finished"
+        missing = f", {self.missing_ticks} missing" if self.missing_ticks else ""
+        return (f"<haptolith.Recording {self.path}: {self._ticks} ticks, {self._ticks * self.tick_s:g} s, {self.frames} frames"
+                f"{missing}{state}{'' if self._handle else ', closed'}>")

@@ -58,6 +58,12 @@ class Safety(Owned):
         require(_abi.lib.hapto_safety_step(self.address, self._told, int(late), self._shown))
         return Wrench(np.array([*self._shown.wrench.force_n, *self._shown.wrench.torque_nm]))
 
+    def __repr__(self) -> str:
+        if not self._handle:
+            return "<haptolith.Safety, closed>"
+        info = self.info
+        return f"<haptolith.Safety: {f'no force: {info.trip}' if info.trip else 'force is on'}, {info.trips} trips>"
+
     def stop(self) -> None:
         """Force goes to nothing softly and stays there."""
         require(_abi.lib.hapto_safety_stop(self.address))

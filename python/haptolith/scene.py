@@ -1,4 +1,4 @@
-"""Scenes: soil in a box and a tool."""
+"""Scenes: soil in a box and a tool, or several."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import ctypes
 import os
 import re
 from dataclasses import dataclass
-from typing import Any, Optional, Union
+from typing import Any, Optional, Sequence, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +15,12 @@ from . import _abi
 from ._long import Progress, call_long
 from .errors import HaptolithError, error_of, require
 from .result import names
+from .tool import Tools, tool_names
 from .values import Floats, Pose, PoseLike, Wrench, overrides_of, pose_numbers, require_finite, text_from
 
 _lib = _abi.lib
 _step = _lib.hapto_scene_step
+_step_tools = _lib.hapto_scene_step_tools
 
 
 class _Handle:
@@ -62,7 +64,10 @@ def scenes() -> list[str]:
 
 
 class Scene:
-    """A box of soil and a tool in it. One thread at a time; different scenes on any number of threads.
+    """A box of soil and a tool in it, or several. One thread at a time; different scenes on any number of threads.
+
+    Of several tools, members without a tool's name act on the first. Another one does not touch the soil until it is
+    placed or stepped for the first time.
 
     name_or_path: a built-in scene (haptolith.scenes()) or a scene file. Keywords override its keys: bed__threads=2.
     "auto" is soil of the Moon in the finest particles that this machine renders at 1 kHz; it measures that once, in a second.
@@ -82,6 +87,7 @@ class Scene:
         self._address = address
         self._pose = np.zeros(7)
         self._felt = np.zeros(6)
+        self._tool_names = tool_names(address)
         self._state_room = 0
         self._at_pose = self._pose.ctypes.data
         self._at_felt = self._felt.ctypes.data
@@ -145,16 +151,28 @@ class Scene:
 
     # --- moving ---
 
-    def step(self, pose: PoseLike, twist: Optional[npt.ArrayLike] = None) -> Wrench:
+    @overload
+    def step(self, pose: Pose, twist: Optional[npt.ArrayLike] = None) -> Wrench: ...
+
+    @overload
+    def step(self, pose: Union[Sequence[Pose], npt.ArrayLike], twist: Optional[npt.ArrayLike] = None) -> Any: ...
+
+    def step(self, pose: Union[PoseLike, Sequence[Pose]], twist: Optional[npt.ArrayLike] = None) -> Union[Wrench, Floats]:
         """One tick of 1 ms: moves the tool in a straight line to the pose while the soil answers.
 
         Gives the soil wrench: of the soil on the tool, about the tool's origin, scene frame.
-        pose: Pose, (3,), (7,) or (4, 4), scene_T_tool. twist: (6,) m/s and rad/s, scene frame; None: as the way says.
-        Raises InvalidParameter for a pose that is nowhere near; Collapsed."""
+        pose: Pose, (3,), (7,) or (4, 4), scene_T_tool; or (n, 7) or a list of Pose, one for each of n tools, which gives an
+        array (n, 6) of force and torque. twist: (6,) or (n, 6), m/s and rad/s, scene frame; None: as the way says.
+        Raises InvalidParameter for a pose that is nowhere near; ValueError for poses of another number of tools;
+        Collapsed."""
         if type(pose) is np.ndarray and pose.shape == (7,):
             self._pose[:] = pose
         else:
-            self._pose[:] = pose_numbers(pose)
+            if isinstance(pose, (list, tuple)) and len(pose) > 0 and isinstance(pose[0], Pose):
+                return self._step_all(np.stack([pose_numbers(one) for one in pose]), twist)
+            if np.ndim(pose) == 2 and np.shape(pose) != (4, 4):  # type: ignore[arg-type]
+                return self._step_all(np.asarray(pose, dtype=np.float64), twist)
+            self._pose[:] = pose_numbers(pose)  # type: ignore[arg-type]
         moved = None
         if twist is not None:
             numbers = np.ascontiguousarray(twist, dtype=np.float64)
@@ -168,11 +186,50 @@ class Scene:
             raise error_of(status)
         return Wrench(self._felt.copy())
 
+    def _step_all(self, poses: Floats, twists: Optional[npt.ArrayLike]) -> Floats:
+        """A tick of all tools."""
+        given = np.ascontiguousarray(poses)
+        self._require_tools(given, 1)
+        moved = None
+        if twists is not None:
+            numbers = np.ascontiguousarray(twists, dtype=np.float64)
+            if numbers.shape != (len(given), 6):
+                raise ValueError(f"twists of {len(given)} tools are ({len(given)}, 6), not {numbers.shape}")
+            moved = numbers.ctypes.data
+        felt = np.empty((len(given), 6))
+        status = _step_tools(self._address, given.ctypes.data, moved, len(given), felt.ctypes.data)
+        if status:
+            self.address  # closed?
+            require_finite(given)
+            raise error_of(status)
+        return felt
+
+    def _require_tools(self, poses: Floats, at: int) -> None:
+        """Raises ValueError unless dimension `at` - 1 of poses is that of the tools, and the last one is 7."""
+        n = len(self._tool_names)
+        if poses.ndim != at + 1 or poses.shape[at - 1] != n or poses.shape[at] != 7:
+            shape = f"({n}, 7)" if at == 1 else f"(ticks, {n}, 7)"
+            raise ValueError(f"poses of all {n} tools ({', '.join(self._tool_names)}) are {shape}: x y z, w x y z; not "
+                             f"{poses.shape}")
+
+    @property
+    def tools(self) -> Tools:
+        """Its tools: scene.tools["left"].wrench, scene.tools[1].place(pose), scene.tools.names."""
+        return Tools(self, self._tool_names)
+
     def steps(self, poses: npt.ArrayLike) -> Floats:
-        """Many ticks: (n, 7) poses give (n, 6) soil wrenches, scene frame. Other threads run meanwhile."""
+        """Many ticks: (ticks, 7) poses of the first tool give (ticks, 6) soil wrenches, scene frame; poses of all tools,
+        (ticks, tools, 7), give (ticks, tools, 6). Other threads run meanwhile."""
         given = np.ascontiguousarray(poses, dtype=np.float64)
+        if given.ndim == 3:
+            self._require_tools(given, 2)
+            require_finite(given)
+            all_felt = np.zeros((*given.shape[:2], 6))
+            require(_lib.hapto_scene_steps_tools(self.address, given.shape[0], given.ctypes.data, None, given.shape[1],
+                                                 all_felt.ctypes.data, None))
+            return all_felt
         if given.ndim != 2 or given.shape[1] != 7:
-            raise ValueError(f"poses are (n, 7): x y z, w x y z; not {given.shape}")
+            raise ValueError(f"poses are (ticks, 7): x y z, w x y z; or (ticks, tools, 7); not {given.shape}")
         require_finite(given)
         felt = np.zeros((len(given), 6))
         require(_lib.hapto_scene_steps(self.address, len(given), given.ctypes.data, None, felt.ctypes.data, None))
@@ -228,7 +285,8 @@ class Scene:
         require(_lib.hapto_scene_set_gravity(self.address, given.ctypes.data))
 
     def change(self, **keys: object) -> None:
-        """Changes soil, gravity or tool of the soil as it lies: gravity__body="Mars", tool__diameter_mm=40."""
+        """Changes soil, gravity or tools of the soil as it lies: gravity__body="Mars", tool__diameter_mm=40 (every tool),
+        tools__left__friction=0.4."""
         given = overrides_of(keys)
         require(_lib.hapto_scene_change(self.address, _abi.texts(given), len(given)))
 
@@ -337,10 +395,14 @@ class Scene:
     def __repr__(self) -> str:
         if self._handle is None:
             return "<haptolith.Scene, closed>"
-        info = self.info
+        try:
+            info = self.info
+        except HaptolithError as error:
+            return f"<haptolith.Scene: {error}>"
         gravity = float(np.linalg.norm(info.gravity_m_s2))
+        tools = f", tools {', '.join(self._tool_names)}" if len(self._tool_names) > 1 else ""
         return (f"<haptolith.Scene: {self.soil or 'own soil'}, {self.body or f'{gravity:.3g} m/s2'}, {info.particles} particles of "
-                f"R = {1e3 * info.radius_m:g} mm, {info.friction} friction>")
+                f"R = {1e3 * info.radius_m:g} mm, {info.friction} friction{tools}>")
 
 
 def _made(make: Any, progress: Optional[Progress]) -> int:

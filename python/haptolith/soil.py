@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 from typing import Optional, Union
 
 from . import _abi
 from ._long import Progress, call_long
 from ._owned import Owned
-from .errors import require
+from .errors import InvalidParameter, require
 from .result import Result, names, take
 from .values import text_from, toml_value
 
 _lib = _abi.lib
+_SHOWN = (("friction_angle_deg", "deg"), ("cohesion_pa", "Pa"), ("bulk_density_kg_m3", "kg/m3"))
 
 
 def soils() -> list[str]:
@@ -71,6 +73,22 @@ class Soil(Owned):
         out = ctypes.c_void_p()
         require(_lib.hapto_soil_profile(self.address, gravity_m_s2, depth_m, ctypes.byref(out)))
         return take(out)
+
+    def __repr__(self) -> str:
+        if not self._handle:
+            return "<haptolith.Soil, closed>"
+        if self._preset:
+            return f"<haptolith.Soil: preset {self._preset} of icra2021>"
+        toml = self.toml
+        named = re.search(r'^name = "([^"]*)"', toml, re.M)
+        known = ((key, unit) for key, unit in _SHOWN if re.search(rf"^{key} = ", toml, re.M))
+        return f"<haptolith.Soil: {named[1] if named else 'own soil'}{''.join(self._shown(key, unit) for key, unit in known)}>"
+
+    def _shown(self, key: str, unit: str) -> str:
+        try:
+            return f", {key.split('_')[0]} {self[f'target.{key}']:g} {unit}"
+        except InvalidParameter:
+            return ""
 
     def __reduce__(self) -> tuple[object, tuple[str]]:
         return (Soil, (self._preset,)) if self._preset else (Soil.from_toml, (self.toml,))

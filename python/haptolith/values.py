@@ -43,7 +43,7 @@ def pose_numbers(pose: PoseLike) -> Floats:
 
 
 def require_finite(poses: Floats) -> None:
-    """Raises InvalidParameter with the first number of poses (7,) or (n, 7) that is not finite."""
+    """Raises InvalidParameter with the first number of poses (7,), (n, 7) or (ticks, tools, 7) that is not finite."""
     wrong = np.argwhere(~np.isfinite(poses))
     if len(wrong) == 0:
         return
@@ -51,7 +51,8 @@ def require_finite(poses: Floats) -> None:
 
     at = tuple(int(i) for i in wrong[0])
     names = ("x", "y", "z", "w of the orientation", "x of the orientation", "y of the orientation", "z of the orientation")
-    key = f"pose {at[0]}, {names[at[1]]}" if len(at) == 2 else f"pose, {names[at[0]]}"
+    which = "".join(f" {i}" for i in at[:-1]) if len(at) < 3 else f" {at[0]} of tool {at[1]}"
+    key = f"pose{which}, {names[at[-1]]}"
     value = str(poses[at])
     raise InvalidParameter(f"{key} = {value} is not valid: must be finite", key, value, "finite")
 
@@ -116,8 +117,9 @@ def toml_value(value: object) -> str:
 
 
 def overrides_of(named: Mapping[str, object]) -> list[str]:
-    """bed__threads=2 as "bed.threads=2"."""
-    return [f"{name.replace('__', '.', 1)}={toml_value(value)}" for name, value in named.items()]
+    """bed__threads=2 as "bed.threads=2", tools__left__hand__motion="cut" as "tools.left.hand.motion=..."."""
+    return [f"{name.replace('__', '.', -1 if name.startswith('tools__') else 1)}={toml_value(value)}"
+            for name, value in named.items()]
 
 
 def text_from(call: Callable[[Any, int, Any], int], room: int = 0) -> bytes:

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "../counted_new.h"
@@ -35,6 +37,37 @@ TEST(LibraryAtOneKilohertz, AllocatesNothing) {
     EXPECT_EQ(allocations, before);
     EXPECT_EQ(worst, HAPTO_OK);
   }
+}
+
+TEST(LibraryAtOneKilohertz, SeveralToolsAllocateNothing) {
+  const ScenePtr scene = sceneOf(
+      "[[tools]]\nname = 'left'\n[[tools]]\nname = 'right'\nshape = 'cylinder'\njoint_drive = 'speed'\n"
+      "joint_axis = [0, 0, 1]\n",
+      {"bed.particles=256"});
+  auto state = sized<hapto_tool_state>();
+  std::array<hapto_wrench, 2> felt{};
+  const char* name = nullptr;
+  std::uint32_t count = 0;
+  ASSERT_GT(allocations, 0);
+  const long before = allocations;
+  std::int32_t worst = HAPTO_OK;
+  for (int tick = 0; tick < 1000; ++tick) {
+    const std::array poses{stirring(tick), stirring(tick + 250)};
+    worst |= hapto_scene_step_tools(scene.get(), poses.data(), nullptr, 2, felt.data());
+    worst |= hapto_scene_steps_tools(scene.get(), 1, poses.data(), nullptr, 2, felt.data(), nullptr);
+    worst |= hapto_scene_tool_set_drive(scene.get(), 1, 1e-3 * tick);
+    worst |= hapto_scene_tool_set_fade(scene.get(), 1, 1);
+    worst |= hapto_scene_tool_set_opening(scene.get(), 1, 1);
+    worst |= hapto_scene_tool_get_state(scene.get(), 1, &state);
+    worst |= hapto_scene_tools(scene.get(), &count);
+    worst |= hapto_scene_tool_name(scene.get(), 1, &name);
+    worst |= tick == 500 ? hapto_scene_tool_place(scene.get(), 1, &poses[1]) : 0;
+  }
+  const hapto_pose pose = stirring(0);
+  EXPECT_EQ(hapto_scene_step_tools(scene.get(), &pose, nullptr, 1, nullptr), HAPTO_WRONG_TOOL);
+  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(worst, HAPTO_OK);
+  EXPECT_GT(std::abs(state.angle_rad), 0);
 }
 
 TEST(LibraryAtOneKilohertz, ALoopOfTheCallersAllocatesNothing) {

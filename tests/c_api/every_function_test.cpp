@@ -40,6 +40,8 @@ struct Good {
   hapto_pose pose{{0, 0, 0.2}, {1, 0, 0, 0}};
   hapto_wrench wrench{};
   hapto_scene_info info = sized<hapto_scene_info>();
+  hapto_tool_state tool_state = sized<hapto_tool_state>();
+  std::uint32_t tool = 0;
   hapto_array array = sized<hapto_array>();
   hapto_snapshot snapshot = sized<hapto_snapshot>();
   hapto_safety_info safety_info = sized<hapto_safety_info>();
@@ -84,6 +86,19 @@ std::vector<Call> calls(Good& good) {
          return hapto_scene_set_gravity(h.scene, down);
        }},
       {"hapto_scene_change", [&](const Handles& h) { return hapto_scene_change(h.scene, &good.override, 1); }},
+      {"hapto_scene_tools", [&](const Handles& h) { return hapto_scene_tools(h.scene, &good.tool); }},
+      {"hapto_scene_tool_name", [&](const Handles& h) { return hapto_scene_tool_name(h.scene, 0, &good.text); }},
+      {"hapto_scene_find_tool", [&](const Handles& h) { return hapto_scene_find_tool(h.scene, "tool", &good.tool); }},
+      {"hapto_scene_step_tools",
+       [&](const Handles& h) { return hapto_scene_step_tools(h.scene, &good.pose, nullptr, 1, nullptr); }},
+      {"hapto_scene_steps_tools",
+       [&](const Handles& h) { return hapto_scene_steps_tools(h.scene, 1, &good.pose, nullptr, 1, nullptr, nullptr); }},
+      {"hapto_scene_tool_place", [&](const Handles& h) { return hapto_scene_tool_place(h.scene, 0, &good.pose); }},
+      {"hapto_scene_tool_set_opening", [&](const Handles& h) { return hapto_scene_tool_set_opening(h.scene, 0, 1); }},
+      {"hapto_scene_tool_set_fade", [&](const Handles& h) { return hapto_scene_tool_set_fade(h.scene, 0, 1); }},
+      {"hapto_scene_tool_set_drive", [&](const Handles& h) { return hapto_scene_tool_set_drive(h.scene, 0, 1); }},
+      {"hapto_scene_tool_get_state",
+       [&](const Handles& h) { return hapto_scene_tool_get_state(h.scene, 0, &good.tool_state); }},
       {"hapto_scene_view", [&](const Handles& h) { return hapto_scene_view(h.scene, HAPTO_POSITION, &good.array); }},
       {"hapto_scene_copy",
        [&](const Handles& h) {
@@ -98,6 +113,8 @@ std::vector<Call> calls(Good& good) {
       {"hapto_scene_state_hash", [&](const Handles& h) { return hapto_scene_state_hash(h.scene, &good.count); }},
       {"hapto_batch_step",
        [&](const Handles& h) { return hapto_batch_step(h.batch, 1, &good.pose, nullptr, nullptr, nullptr); }},
+      {"hapto_batch_step_tools",
+       [&](const Handles& h) { return hapto_batch_step_tools(h.batch, 1, &good.pose, nullptr, 1, nullptr, nullptr); }},
       {"hapto_soil_get", [&](const Handles& h) { return hapto_soil_get(h.soil, "soil.radius_mm", good.numbers); }},
       {"hapto_soil_get_toml",
        [&](const Handles& h) {
@@ -179,7 +196,7 @@ const std::set<std::string> kWithoutHandle{"hapto_version",
 
 Handles alive(hapto_scene** loops_scene) {
   Handles h;
-  h.scene = sceneOf(kIcra2021).release();
+  h.scene = sceneOf(kIcra2021, {"tool.joint_drive=speed", "tool.joint_axis=[0, 0, 1]"}).release();
   expectOk(hapto_batch_create(&h.scene, 1, 1, &h.batch));
   expectOk(hapto_soil_find("dry-sand", &h.soil));
   expectOk(hapto_soil_profile(h.soil, 1, 0.1, &h.result));
@@ -275,6 +292,15 @@ TEST(EveryFunction, RefusesNullWhereThereMustBeSomething) {
   EXPECT_EQ(hapto_scene_get_grip_force(h.scene, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_scene_set_gravity(h.scene, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_scene_change(h.scene, nullptr, 2), HAPTO_INVALID_PARAMETER);
+  std::uint32_t tool = 0;
+  EXPECT_EQ(hapto_scene_tools(h.scene, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_tool_name(h.scene, 0, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_find_tool(h.scene, nullptr, &tool), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_find_tool(h.scene, "tool", nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_step_tools(h.scene, nullptr, nullptr, 1, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_steps_tools(h.scene, 1, nullptr, nullptr, 1, nullptr, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_tool_place(h.scene, 0, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_tool_get_state(h.scene, 0, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_scene_view(h.scene, HAPTO_POSITION, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_scene_copy(h.scene, HAPTO_POSITION, nullptr, 9), HAPTO_NULL);
   EXPECT_EQ(hapto_scene_get_state(h.scene, nullptr, 1 << 20, nullptr), HAPTO_NULL);
@@ -284,6 +310,7 @@ TEST(EveryFunction, RefusesNullWhereThereMustBeSomething) {
   EXPECT_EQ(hapto_batch_create(nullptr, 1, 1, &batch), HAPTO_NULL);
   EXPECT_EQ(hapto_batch_create(&h.scene, 1, 1, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_batch_step(h.batch, 1, nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_batch_step_tools(h.batch, 1, nullptr, nullptr, 1, nullptr, nullptr), HAPTO_NULL);
   hapto_soil* soil = nullptr;
   EXPECT_EQ(hapto_soil_find(nullptr, &soil), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_find("dry-sand", nullptr), HAPTO_NULL);
@@ -312,6 +339,8 @@ TEST(EveryFunction, RefusesNullWhereThereMustBeSomething) {
   hapto_scene_info info{};
   EXPECT_EQ(hapto_scene_get_info(h.scene, &info), HAPTO_WRONG_SIZE);
   EXPECT_STREQ(lastError().key, "out");
+  hapto_tool_state tool_state{};
+  EXPECT_EQ(hapto_scene_tool_get_state(h.scene, 0, &tool_state), HAPTO_WRONG_SIZE);
   hapto_array array{};
   EXPECT_EQ(hapto_scene_view(h.scene, HAPTO_POSITION, &array), HAPTO_WRONG_SIZE);
   EXPECT_EQ(hapto_result_column(h.result, "depth_m", &array), HAPTO_WRONG_SIZE);

@@ -249,7 +249,7 @@ TEST(LibraryScene, GravitySoilAndToolMayChangeAsTheSoilLies) {
   EXPECT_EQ(changed("soil.preset=P3"), HAPTO_INVALID_PARAMETER) << "another friction";
   EXPECT_EQ(changed("tool.stiffness_n_m=50000"), HAPTO_INVALID_PARAMETER);
   EXPECT_EQ(changed("bed.width_mm=200"), HAPTO_INVALID_PARAMETER);
-  EXPECT_THAT(lastError().valid, HasSubstr("[soil], [gravity] and [tool] only"));
+  EXPECT_THAT(lastError().valid, HasSubstr("[soil], [gravity], [tool] and [[tools]] only"));
   EXPECT_EQ(changed("bed.threads=2"), HAPTO_INVALID_PARAMETER);
   const double sideways[3] = {1, 0, -1};
   expectOk(hapto_scene_set_gravity(scene.get(), sideways));

@@ -64,6 +64,8 @@ TEST(StructSizes, WhatTheLibraryFillsInMayBeOlderOrNewer) {
   expectFilledIn<hapto_error>("hapto_error", 40, [](hapto_error* out) { return hapto_last_error(out); });
   expectFilledIn<hapto_scene_info>("hapto_scene_info", 144,
                                    [&](hapto_scene_info* out) { return hapto_scene_get_info(scene.get(), out); });
+  expectFilledIn<hapto_tool_state>(
+      "hapto_tool_state", 304, [&](hapto_tool_state* out) { return hapto_scene_tool_get_state(scene.get(), 0, out); });
   expectFilledIn<hapto_array>("hapto_array, view", 32,
                               [&](hapto_array* out) { return hapto_scene_view(scene.get(), HAPTO_POSITION, out); });
   expectFilledIn<hapto_array>("hapto_array, column", 32,

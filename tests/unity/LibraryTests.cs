@@ -56,6 +56,7 @@ static unsafe class LibraryTests
     Expect.Test("The library tells what there is", () => Expect.That(Library.List("scenes").Contains("\"icra2021\""), Library.List("scenes")));
     Errors();
     Moving();
+    Tools();
     Buffers();
     States();
     Loops();
@@ -175,6 +176,56 @@ static unsafe class LibraryTests
         scene.Change("gravity.body=Mars");
         info = scene.Info;
         Expect.That(info.gravity_m_s2[2] < -3.6, "Mars pulls");
+      }
+    });
+  }
+
+  static void Tools()
+  {
+    const string two = "[[tools]]\nname = 'left'\n[[tools]]\nname = 'wheel'\nshape = 'cylinder'\njoint_drive = 'speed'\n" +
+                       "joint_axis = [0, 0, 1]\njoint_speed_rad_s = 3\n";
+    Expect.Test("Several tools are stepped together", () =>
+    {
+      using (Scene scene = Scene.FromToml(two, new[] { "bed.particles=256" }))
+      using (Scene single = Small())
+      {
+        Expect.Equal(scene.ToolCount, 2, "tools");
+        Expect.Equal(scene.ToolName(1), "wheel", "name");
+        Expect.Equal(scene.FindTool("left"), 0, "number");
+        Expect.Equal(Expect.Throws<InvalidParameterException>(() => scene.FindTool("hoe")).Valid, "one of left, wheel", "valid");
+        Pose above = Pose.At(0, 0, scene.Info.surface_m + 0.1);
+        Pose[] way = Way(single, 60);
+        scene.PlaceTool(way[0]);
+        foreach (Pose pose in way)
+        {
+          Expect.Equal(scene.Step(pose).Force_N.Z, single.Step(pose).Force_N.Z, "the first tool's force with old calls");
+        }
+        Expect.Equal(scene.ToolState(1).in_soil, 0, "the second is not in the soil");
+        Wrench[] felt = new Wrench[2];
+        scene.PlaceTool(1, above);
+        foreach (Pose pose in way)
+        {
+          scene.StepTools(new[] { pose, above }, felt);
+          Expect.Equal(felt[0].Force_N.Z, single.Step(pose).Force_N.Z, "the first tool's force");
+        }
+        Expect.That(felt[0].Force_N.Z > 0 && felt[1].Force_N.Z == 0, "only the first is in the soil");
+        Expect.Near(scene.ToolState(1).speed_rad_s, 3, "speed of the wheel");
+        scene.SetDrive(1, -1);
+        scene.SetToolFade(1, 0.5);
+        scene.SetOpening(1, 0.5);
+        scene.StepTools(new[] { above, above }, null, new Twist[2]);
+        Expect.Near(scene.ToolState(1).speed_rad_s, -1, "speed of the wheel");
+        ulong hash = scene.StateHash;
+        Expect.Throws<ArgumentException>(() => scene.StepTools(new[] { above }, felt));
+        Expect.Throws<ArgumentException>(() => scene.StepTools(new[] { above, above }, new Wrench[1]));
+        Expect.Equal(Expect.Throws<HaptolithException>(() => scene.ToolState(2)).Status, Status.WrongTool, "status");
+        Expect.Equal(Expect.Throws<HaptolithException>(() =>
+        {
+          Pose one = above;
+          scene.StepTools(&one, null, null, 1);
+        }).Status, Status.WrongTool, "status");
+        Expect.Equal(Expect.Throws<HaptolithException>(() => scene.StepTools(new Pose[2], felt)).Status, Status.InvalidParameter, "status");
+        Expect.Equal(scene.StateHash, hash, "nothing has moved:");
       }
     });
   }

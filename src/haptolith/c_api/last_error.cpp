@@ -101,6 +101,7 @@ const char* hapto_status_text(std::int32_t status) {
     case HAPTO_TOO_SMALL: return "the buffer is too small";
     case HAPTO_NO_MEMORY: return "there is not enough memory";
     case HAPTO_ENDED: return "the loop has ended";
+    case HAPTO_WRONG_TOOL: return "the scene has no tool of this number, or not as many tools as there are poses";
     default: return "a status that is unknown to this version";
   }
 }

@@ -111,7 +111,6 @@ class Loop {
       : scene_(std::move(scene)),
         ticked_by_caller_((flags & HAPTO_LOOP_TICKED_BY_CALLER) != 0),
         keeps_ticks_((flags & HAPTO_LOOP_KEEPS_TICKS) != 0),
-        tool_fade_(scene_->scene().toolFade()),
         scene_file_(above(scene_->sceneFile(), scene_->scene().bed().surfaceHeight())),
         device_(deviceFor(scene_file_, device)),
         parameters_(pacedBy(scene_file_.loop, ticked_by_caller_)),
@@ -135,7 +134,7 @@ class Loop {
       stop();
     } catch (...) {  // it has ended all the same
     }
-    scene_->takeBack(conditionAfter(end_), tool_fade_);
+    scene_->takeBack(conditionAfter(end_));
   }
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
@@ -267,8 +266,8 @@ class Loop {
     if (changes.laws) {
       ask(request::Soil{*changes.laws});
     }
-    if (changes.tool) {
-      ask(request::Replace{request::ReplaceTool{*changes.tool}});
+    for (const ToolChange& change : changes.tools) {
+      ask(request::Replace{request::ReplaceTool{change.parameters, change.tool}});
     }
     scene_->note(changes);
   }
@@ -286,7 +285,6 @@ class Loop {
 
   Claim<hapto_scene> scene_;
   bool ticked_by_caller_, keeps_ticks_;
-  double tool_fade_;  ///< before the loop
   SceneFile scene_file_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<LastResort> last_resort_;

@@ -62,16 +62,6 @@ std::int32_t with(const hapto_scene* scene, Body&& body) {
   return withHandle(scene, "scene", std::forward<Body>(body));
 }
 
-/// As above for calls at 1 kHz, which record no error text. @param argument  that must not be NULL.
-template <class Body>
-std::int32_t quicklyWith(const hapto_scene* scene, const void* argument, Body&& body) noexcept {
-  if (argument == nullptr) {
-    return HAPTO_NULL;
-  }
-  const Claim claim(scene);
-  return claim.status() != HAPTO_OK ? claim.status() : body(*claim);
-}
-
 /// Data of a field.
 struct Field {
   std::int32_t type = 0;
@@ -302,7 +292,7 @@ std::int32_t hapto_scene_copy(const hapto_scene* scene, std::int32_t field, void
 // --- moving ----------------------------------------------------------------------------------------------------------
 
 std::int32_t hapto_scene_place_tool(hapto_scene* scene, const hapto_pose* scene_T_tool) {
-  return quicklyWith(scene, scene_T_tool, [&](SceneObject& object) { return object.placeTool(*scene_T_tool); });
+  return quicklyWith(scene, scene_T_tool, [&](SceneObject& object) { return object.placeTool(0, *scene_T_tool); });
 }
 
 std::int32_t hapto_scene_step(hapto_scene* scene, const hapto_pose* scene_T_tool, const hapto_twist* twist,
@@ -332,7 +322,7 @@ std::int32_t hapto_scene_set_opening(hapto_scene* scene, double share) {
     return HAPTO_INVALID_PARAMETER;
   }
   return quicklyWith(scene, &share, [&](SceneObject& object) {
-    object.setOpening(share);
+    object.setOpening(0, share);
     return HAPTO_OK;
   });
 }
@@ -342,7 +332,7 @@ std::int32_t hapto_scene_set_tool_fade(hapto_scene* scene, double share) {
     return HAPTO_INVALID_PARAMETER;
   }
   return quicklyWith(scene, &share, [&](SceneObject& object) {
-    object.scene().setToolFade(share);
+    object.setFade(0, share);
     return HAPTO_OK;
   });
 }

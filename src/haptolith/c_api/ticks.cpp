@@ -72,7 +72,9 @@ TickRecord recordOf(const hapto_tick& tick) noexcept {
           .late_us = tick.late_us,
           .state_hash = tick.state_hash,
           .flags = tick.flags,
-          .trip = static_cast<std::uint8_t>(tick.trip)};
+          .trip = static_cast<std::uint8_t>(tick.trip),
+          .tool = 0,
+          .joint = {}};
 }
 
 }  // namespace haptolith::library

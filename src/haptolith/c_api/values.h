@@ -80,6 +80,7 @@ HAPTO_FIRST_SIZE(hapto_device_output, gripper_force_n);
 HAPTO_FIRST_SIZE(hapto_device, take_up);
 HAPTO_FIRST_SIZE(hapto_snapshot, position);
 HAPTO_FIRST_SIZE(hapto_safety_info, injected_j);
+HAPTO_FIRST_SIZE(hapto_tool_state, stiffness_n_m);
 
 /// HAPTO_OK, HAPTO_NULL or HAPTO_WRONG_SIZE.
 template <class Struct>

@@ -28,4 +28,14 @@ std::int32_t withHandle(const H* handle, const char* name, Body&& body,
   });
 }
 
+/// As above for calls at 1 kHz, which record no error text. @param argument  that must not be NULL.
+template <class H, class Body>
+std::int32_t quicklyWith(const H* handle, const void* argument, Body&& body) noexcept {
+  if (argument == nullptr) {
+    return HAPTO_NULL;
+  }
+  const Claim claim(handle);
+  return claim.status() != HAPTO_OK ? claim.status() : body(*claim);
+}
+
 }  // namespace haptolith::library

@@ -17,7 +17,8 @@ namespace Haptolith
     WrongSize = Native.HAPTO_WRONG_SIZE,
     TooSmall = Native.HAPTO_TOO_SMALL,
     NoMemory = Native.HAPTO_NO_MEMORY,
-    Ended = Native.HAPTO_ENDED
+    Ended = Native.HAPTO_ENDED,
+    WrongTool = Native.HAPTO_WRONG_TOOL
   }
 
   /// <summary>A failure, with the library's message.</summary>

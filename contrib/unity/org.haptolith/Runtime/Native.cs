@@ -80,10 +80,34 @@ namespace Haptolith
     public double width_m;  // of the box, along x and y
     public double length_m;
     public double surface_m;  // height of the topmost particle's top above the floor
-    public double opening_m;  // between the tool's jaws
-    public double tool_fade;  // 1: the tool touches the soil with all its stiffness
+    public double opening_m;  // between the jaws of the first tool
+    public double tool_fade;  // 1: the first tool touches the soil with all its stiffness
     public double energy_j;  // kinetic, gravitational and of contacts; gravity's zero is the origin
     public fixed double gravity_m_s2[3];
+  }
+
+  /// <summary>
+  /// A tool after the last tick. Means over that tick: soil_wrench, grip_force_n and the torques, which act on the tool about
+  /// the joint's axis.
+  /// </summary>
+  [StructLayout(LayoutKind.Sequential)]
+  public unsafe struct hapto_tool_state
+  {
+    public uint size;
+    public int in_soil;  // 0: it has not been placed or stepped yet
+    public int drive;  // of its joint: HAPTO_DRIVE_...
+    public uint reserved;
+    public hapto_pose scene_T_tool;  // as given; of the hub that the hand holds, if it has a joint
+    public hapto_pose scene_T_turned;  // as its joint has turned it: where its shape is
+    public hapto_wrench soil_wrench;  // soil on tool, about the origin of scene_T_tool, scene frame, unfiltered
+    public double angle_rad;  // of the joint, -pi to pi
+    public double speed_rad_s;
+    public double soil_torque_nm;
+    public double motor_torque_nm;
+    public double opening_m;  // between jaws
+    public double grip_force_n;  // of the soil that opened them
+    public double fade;
+    public fixed double stiffness_n_m[9];  // as hapto_scene_get_contact_stiffness()
   }
 
   /// <summary>Limits that a device declares. hapto_device_limits_init() sets those of an ideal device; INFINITY: no limit.</summary>
@@ -256,10 +280,16 @@ namespace Haptolith
     public const int HAPTO_TOO_SMALL = 10;  // the buffer; nothing has been written but how much is needed
     public const int HAPTO_NO_MEMORY = 11;
     public const int HAPTO_ENDED = 12;  // the loop has ended: hapto_loop_snapshot() says why
+    public const int HAPTO_WRONG_TOOL = 13;  // the scene has no tool of this number, or not as many tools as there are poses
 
     public const int HAPTO_FLOAT32 = 1;
     public const int HAPTO_FLOAT64 = 2;
     public const int HAPTO_UINT8 = 3;
+
+    public const int HAPTO_DRIVE_NONE = 0;
+    public const int HAPTO_DRIVE_SPEED = 1;
+    public const int HAPTO_DRIVE_TORQUE = 2;
+    public const int HAPTO_DRIVE_FREE = 3;
 
     public const int HAPTO_POSITION = 1;  // centres, m, 3 of HAPTO_FLOAT32; view and copy
     public const int HAPTO_VELOCITY = 2;  // m/s, 3 of HAPTO_FLOAT32; view and copy
@@ -355,7 +385,7 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_list(byte* what, IntPtr* @out);
 
-    // scenes: soil in a box and a tool
+    // scenes: soil in a box and a tool, or several
 
     /// <summary>
     /// A scene from the text of a scene file; NULL or "" is the scene icra2021.
@@ -456,11 +486,61 @@ namespace Haptolith
     public static extern int hapto_scene_set_gravity(IntPtr scene, double* m_s2);
 
     /// <summary>
-    /// Changes soil, gravity or tool of the soil as it lies, by overrides: "gravity.body=Mars", "tool.diameter_mm=40".
-    /// HAPTO_INVALID_PARAMETER when that needs another bed: another particle radius, more steps in a tick, any other table.
+    /// Changes soil, gravity or tools of the soil as it lies, by overrides: "gravity.body=Mars", "tool.diameter_mm=40" (every
+    /// tool), "tools.left.friction=0.4". HAPTO_INVALID_PARAMETER when that needs another bed: another particle radius, more
+    /// steps in a tick, any other table.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_change(IntPtr scene, byte** overrides, uint count);
+
+    /// <summary>
+    /// Scenes with several [[tools]], up to 16, have numbers for them from 0 on, in the order of the file. Each tool starts
+    /// [mapping] offset_mm above the soil. A tool other than the first does not touch the soil until it is placed or stepped
+    /// for the first time. Functions without a tool's number are for the first tool; the others then stay where they are.
+    /// </summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_tools(IntPtr scene, uint* count);
+
+    /// <summary>Name of a tool, "tool" in a scene without [[tools]]; valid until the scene is destroyed. [1 kHz]</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_tool_name(IntPtr scene, uint tool, byte** name);
+
+    /// <summary>Number of the tool with a name. HAPTO_INVALID_PARAMETER with the names when there is none.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_find_tool(IntPtr scene, byte* name, uint* tool);
+
+    /// <summary>
+    /// One tick of all tools, as hapto_scene_step(): poses[k], twists[k] (or NULL) give soil_wrenches[k] (or NULL).
+    /// count  of poses: the number of tools, else HAPTO_WRONG_TOOL.
+    /// Nothing moves when a pose is not valid. [1 kHz]
+    /// </summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_step_tools(IntPtr scene, hapto_pose* poses, hapto_twist* twists, uint count, hapto_wrench* soil_wrenches);
+
+    /// <summary>`ticks` of it, as hapto_scene_steps(): poses[t * count + k]. [1 kHz] in cost a tick.</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_steps_tools(IntPtr scene, ulong ticks, hapto_pose* poses, hapto_twist* twists, uint count, hapto_wrench* soil_wrenches, ulong* done);
+
+    /// <summary>As hapto_scene_place_tool(), hapto_scene_set_opening(), hapto_scene_set_tool_fade(). [1 kHz]</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_tool_place(IntPtr scene, uint tool, hapto_pose* scene_T_tool);
+
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_tool_set_opening(IntPtr scene, uint tool, double share);
+
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_tool_set_fade(IntPtr scene, uint tool, double share);
+
+    /// <summary>
+    /// Sets the speed in rad/s or the torque in N m of a joint's drive from the next tick on, in the valid range of its key.
+    /// HAPTO_INVALID_PARAMETER also for a tool with neither. [1 kHz]
+    /// </summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_tool_set_drive(IntPtr scene, uint tool, double value);
+
+    /// <summary>[1 kHz]</summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_tool_get_state(IntPtr scene, uint tool, hapto_tool_state* @out);
 
     /// <summary>
     /// Particles where they are, without copy. The numbers change, and the address too, with every step: fetch the view again
@@ -508,6 +588,13 @@ namespace Haptolith
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_batch_step(IntPtr batch, ulong ticks, hapto_pose* poses, hapto_twist* twists, hapto_wrench* soil_wrenches, int* status);
+
+    /// <summary>
+    /// As above with the poses of all tools: for each scene, for each tick, for each tool one, in this order.
+    /// count  of poses, else HAPTO_WRONG_TOOL.
+    /// </summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_batch_step_tools(IntPtr batch, ulong ticks, hapto_pose* poses, hapto_twist* twists, ulong count, hapto_wrench* soil_wrenches, int* status);
 
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_batch_destroy(IntPtr batch);
@@ -585,6 +672,7 @@ namespace Haptolith
     /// <summary>
     /// A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
     /// [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
+    /// The device moves the first tool; others do not touch the soil until then.
     /// device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
     ///         NULL: the device that the scene's [device] names, a virtual hand by default.
     /// flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread.

@@ -4,10 +4,10 @@ using System.Runtime.InteropServices;
 namespace Haptolith
 {
   /// <summary>
-  /// Soil in a box and a tool. Poses, forces and torques are in the scene's frame (UnityFrame converts to Unity's). Not thread-safe:
+  /// Soil in a box and a tool, or several. Poses, forces and torques are in the scene's frame (UnityFrame converts to Unity's). Not thread-safe:
 /// a concurrent call gets Status.Busy.
   /// </summary>
-  public sealed unsafe class Scene : IDisposable
+  public sealed unsafe partial class Scene : IDisposable
   {
     readonly SceneHandle handle_;
 
