@@ -10,13 +10,13 @@
 namespace haptolith {
 namespace {
 
-const RigidWheel kSand{.radius_m = 0.058,
-                       .width_m = 0.05,
-                       .modulus = 8e5,
-                       .exponent = 1.1,
-                       .friction_angle_rad = 0.35,
-                       .cohesion_pa = 50,
-                       .shear_modulus_m = 0.01};
+const RigidWheel kUnderWheel{.radius_m = 0.058,
+                             .width_m = 0.05,
+                             .modulus = 8e5,
+                             .exponent = 1.1,
+                             .friction_angle_rad = 0.35,
+                             .cohesion_pa = 50,
+                             .shear_modulus_m = 0.01};
 
 /// The same theory, written over the height of a point of the rim instead of its angle, by the midpoint rule.
 WheelForces overHeight(const RigidWheel& wheel, double slip, double sinkage_m) {
@@ -51,7 +51,7 @@ WheelForces overHeight(const RigidWheel& wheel, double slip, double sinkage_m) {
 TEST(RigidWheel, EqualsTheSameIntegralOverHeight) {
   for (const double slip : {-0.7, -0.2, 0.0, 0.3, 0.9}) {
     for (const double exponent : {0.7, 1.1, 1.5}) {
-      RigidWheel wheel = kSand;
+      RigidWheel wheel = kUnderWheel;
       wheel.exponent = exponent;
       const WheelForces forces = rigidWheelForces(wheel, slip, 0.018);
       const WheelForces other = overHeight(wheel, slip, 0.018);
@@ -63,7 +63,7 @@ TEST(RigidWheel, EqualsTheSameIntegralOverHeight) {
 }
 
 TEST(RigidWheel, IsAPlateOnItsSideWithoutFriction) {
-  RigidWheel smooth = kSand;
+  RigidWheel smooth = kUnderWheel;
   smooth.friction_angle_rad = smooth.cohesion_pa = 0;
   smooth.exponent = 1;
   smooth.peak_angle_ratio = 0.001;  // the stress rises to the lowest point
@@ -75,17 +75,17 @@ TEST(RigidWheel, IsAPlateOnItsSideWithoutFriction) {
 
 TEST(RigidWheel, CarriesItsLoadAndUsesMoreWorkThanItGives) {
   for (const double slip : {-0.9, -0.5, 0.0, 0.2, 0.5, 0.9}) {
-    const WheelForces forces = rigidWheelUnderLoad(kSand, slip, 24);
+    const WheelForces forces = rigidWheelUnderLoad(kUnderWheel, slip, 24);
     EXPECT_NEAR(forces.vertical_n, 24, 1e-6) << slip;
     const double travel_over_rim = travelOverRim(slip);
-    EXPECT_GE(forces.torque_nm / kSand.radius_m, forces.drawbar_n * travel_over_rim) << slip;
+    EXPECT_GE(forces.torque_nm / kUnderWheel.radius_m, forces.drawbar_n * travel_over_rim) << slip;
   }
 }
 
 TEST(RigidWheel, PullsMoreTheMoreItSlipsAndIsDraggedWhenLocked) {
-  const WheelForces locked = rigidWheelUnderLoad(kSand, -1, 15);
-  const WheelForces towed = rigidWheelUnderLoad(kSand, -0.1, 15);
-  const WheelForces driven = rigidWheelUnderLoad(kSand, 0.3, 15);
+  const WheelForces locked = rigidWheelUnderLoad(kUnderWheel, -1, 15);
+  const WheelForces towed = rigidWheelUnderLoad(kUnderWheel, -0.1, 15);
+  const WheelForces driven = rigidWheelUnderLoad(kUnderWheel, 0.3, 15);
   EXPECT_LT(locked.drawbar_n, towed.drawbar_n);
   EXPECT_LT(towed.drawbar_n, driven.drawbar_n);
   EXPECT_LT(locked.torque_nm, 0);
@@ -102,13 +102,13 @@ TEST(RigidWheel, HasTheSlipOfItsSpeeds) {
 }
 
 TEST(RigidWheel, RefusesNonsense) {
-  EXPECT_THROW(static_cast<void>(rigidWheelForces(kSand, 0, 0.058)), InvalidParameter);
-  EXPECT_THROW(static_cast<void>(rigidWheelForces(kSand, 0, 0)), InvalidParameter);
-  EXPECT_THROW(static_cast<void>(rigidWheelUnderLoad(kSand, 0, 0)), InvalidParameter);
-  EXPECT_THROW(static_cast<void>(rigidWheelUnderLoad(kSand, 0, 1e6)), InvalidParameter);
+  EXPECT_THROW(static_cast<void>(rigidWheelForces(kUnderWheel, 0, 0.058)), InvalidParameter);
+  EXPECT_THROW(static_cast<void>(rigidWheelForces(kUnderWheel, 0, 0)), InvalidParameter);
+  EXPECT_THROW(static_cast<void>(rigidWheelUnderLoad(kUnderWheel, 0, 0)), InvalidParameter);
+  EXPECT_THROW(static_cast<void>(rigidWheelUnderLoad(kUnderWheel, 0, 1e6)), InvalidParameter);
   for (double RigidWheel::*quantity : {&RigidWheel::radius_m, &RigidWheel::width_m, &RigidWheel::modulus,
                                        &RigidWheel::exponent, &RigidWheel::shear_modulus_m}) {
-    RigidWheel wheel = kSand;
+    RigidWheel wheel = kUnderWheel;
     wheel.*quantity = 0;
     EXPECT_THROW(static_cast<void>(rigidWheelForces(wheel, 0, 0.01)), InvalidParameter);
   }

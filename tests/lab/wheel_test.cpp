@@ -20,7 +20,7 @@ namespace haptolith {
 namespace {
 
 constexpr double kCoarse_m = 7e-3;
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadPerDegree = std::numbers::pi / 180;
 
 WheelOptions quick(std::vector<WheelSetting> settings) {
   WheelOptions options;
@@ -110,7 +110,8 @@ TEST(Wheel, CarriesItsLoadAndUsesMoreWorkThanItGives) {
 }
 
 TEST(Wheel, HasOppositeSideForcesAtOppositeSlipAngles) {
-  const WheelResult result = wheelTest(coarseSand(kCoarse_m), quick({{0, 45 * kDegree, 20}, {0, -45 * kDegree, 20}}));
+  const WheelResult result =
+      wheelTest(coarseSand(kCoarse_m), quick({{0, 45 * kRadPerDegree, 20}, {0, -45 * kRadPerDegree, 20}}));
   const double left_n = result.points[0].side_n.value;
   const double right_n = result.points[1].side_n.value;
   EXPECT_GT(left_n, 2);
@@ -132,8 +133,10 @@ TEST(Wheel, KeepsAConstantSinkage) {
 
 TEST(Wheel, GripsMoreWithGrousers) {
   const LabConditions conditions = coarseSand(kCoarse_m);
-  WheelOptions options = quick({{0.5, 0, 20}});
+  WheelOptions options = quick({{0.5, 0, 6}});
   options.travel_m = 0.05;
+  options.wheel.diameter_m = 0.06;
+  options.wheel.width_m = 0.04;
   const double smooth_nm = wheelTest(conditions, options).points[0].torque_nm.value;
   options.wheel.grousers = 12;
   options.wheel.grouser_height_m = 0.01;
@@ -171,8 +174,8 @@ TEST(WheelRig, LetsTheSoilTurnAFreeWheel) {
 }
 
 TEST(Wheel, IsComparedWithBothTheories) {
-  WheelOptions options = quick({{0.3, 0, 10}, {0.3, 30 * kDegree, 10}});
-  options.friction_angle_rad = 30 * kDegree;
+  WheelOptions options = quick({{0.3, 0, 10}, {0.3, 30 * kRadPerDegree, 10}});
+  options.friction_angle_rad = 30 * kRadPerDegree;
   options.plate = {.modulus = 8e5, .exponent = 1};
   const WheelResult result = wheelTest(coarseSand(kCoarse_m), options);
   ASSERT_TRUE(result.points[0].bekker);
@@ -197,11 +200,12 @@ TEST(ResistiveWheel, IsNearTheMeasuredWheel) {
   const LabConditions conditions = coarseSand(kCoarse_m);
   const WheelOptions options;
   const ToolParameters tool = wheelTool(options.wheel, conditions.soil);
-  const ResistiveSoil sand{.density_kg_m3 = 1330, .gravity_m_s2 = 9.807, .internal_friction = std::tan(29 * kDegree)};
+  const ResistiveSoil sand{
+      .density_kg_m3 = 1330, .gravity_m_s2 = 9.807, .internal_friction = std::tan(29 * kRadPerDegree)};
   std::vector<MeasuredWheel> measured;
   std::vector<WheelEstimate> theory;
   for (const std::vector<double>& row : csvRows("wheel_smooth_measured.csv")) {
-    measured.push_back({{std::max(-1.0, row[3]), row[0] * kDegree, row[11]}, row[5], row[8], row[12] * 1e-3});
+    measured.push_back({{std::max(-1.0, row[3]), row[0] * kRadPerDegree, row[11]}, row[5], row[8], row[12] * 1e-3});
     const auto forces = resistiveWheel(options, tool, measured.back().setting, sand);
     ASSERT_TRUE(forces);
     EXPECT_NEAR(forces->vertical_n, row[11], 0.05 * row[11]);

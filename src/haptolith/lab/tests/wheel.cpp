@@ -39,7 +39,7 @@ double depthOf(const WheelOptions& options) {
 }
 
 /// Returns the box for all settings, with the wheel's path along x.
-LabBox boxFor(const WheelOptions& options) {
+LabBox wheelBox(const WheelOptions& options) {
   const double reach_m = lowestOf(options);
   const double room_m = options.side_room_m > 0 ? options.side_room_m : 0.75 * options.wheel.diameter_m;
   double across_m = 0;
@@ -178,7 +178,7 @@ void validate(const LabConditions& conditions, const WheelOptions& options) {
   requireInRange("friction_angle_rad", options.friction_angle_rad, {0, std::numbers::pi / 3});
   requireInRange("plate_modulus", options.plate.modulus, {0, 1e12});
   requireInRange("plate_exponent", options.plate.exponent, {0.05, 5});
-  const LabBox box = boxFor(options);
+  const LabBox box = wheelBox(options);
   (void)particlesFor(conditions.soil, box.width_m * box.length_m * depthOf(options));
 }
 
@@ -202,7 +202,7 @@ std::optional<WheelPoint::Resistive> resistiveWheel(const WheelOptions& options,
 
 WheelResult wheelTest(const LabConditions& conditions, const WheelOptions& options) {
   validate(conditions, options);
-  const LabBox box = boxFor(options);
+  const LabBox box = wheelBox(options);
   const ToolParameters tool = wheelTool(options.wheel, conditions.soil);
   StagedProgress progress(conditions.progress);
   LabConditions staged = conditions;
