@@ -18,7 +18,7 @@ const RigidWheel kUnderWheel{.radius_m = 0.058,
                              .cohesion_pa = 50,
                              .shear_modulus_m = 0.01};
 
-/// The same theory, written over the height of a point of the rim instead of its angle, by the midpoint rule.
+/// Integrates the theory over the height of a point of the rim instead of its angle, by the midpoint rule.
 WheelForces overHeight(const RigidWheel& wheel, double slip, double sinkage_m) {
   constexpr int kSlices = 200'000;
   const double r = wheel.radius_m;

@@ -227,8 +227,8 @@ TEST(WheelComparison, CountsSignsAndSinkages) {
   const WheelComparison comparison = compareWheel(measured, {{2, 1, 0.013}, {-8, -2, 0.030}, {-1, 1, 0.010}});
   EXPECT_EQ(comparison.points, 3U);
   EXPECT_EQ(comparison.slipping, 2U);
-  EXPECT_DOUBLE_EQ(comparison.drawbar_error, 0.2);  // of 0.1, 0.2, 0.2
-  EXPECT_DOUBLE_EQ(comparison.side_error, 0.1);     // of 0, 0.2, 0.1
+  EXPECT_DOUBLE_EQ(comparison.drawbar_error, 0.2);  // median of 0.1, 0.2, 0.2
+  EXPECT_DOUBLE_EQ(comparison.side_error, 0.1);     // median of 0, 0.2, 0.1
   EXPECT_EQ(comparison.drawbar_sign, 1);
   EXPECT_EQ(comparison.side_sign, 0.5);
   EXPECT_DOUBLE_EQ(comparison.sinkage_within, 2.0 / 3);
