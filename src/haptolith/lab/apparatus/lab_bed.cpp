@@ -174,6 +174,7 @@ LabBed::LabBed(const LabConditions& conditions, const LabBox& box, const std::ve
       body_begin_{soil_m.size()},
       bed_(bedParameters(conditions, box), together(soil_m, bodies_m)),
       tool_(tool) {
+  joint_.speed_rad_s = tool ? tool->joint.speed_rad_s : 0;
   for (std::size_t body = 0; body < bodies_m.size(); ++body) {
     body_begin_.push_back(body_begin_.back() + bodies_m[body].size());
     moveBody(body, Vec3::Zero());
@@ -203,6 +204,7 @@ LabBed::LabBed(const LabConditions& conditions, const BedParameters& bed, const 
              return !conditions.progress || conditions.progress("the soil settles", time_s / (time_s + 10));
            }),
       tool_(tool) {
+  joint_.speed_rad_s = tool.joint.speed_rad_s;
   soil_ = body_begin_[0] = bed_.particles();
 }
 
@@ -288,6 +290,32 @@ Vec3 LabBed::centreOfBody(std::size_t body) const noexcept {
   return sum / static_cast<double>(body_begin_[body + 1] - body_begin_[body]);
 }
 
+void LabBed::driveJoint(double value) noexcept {
+  if (!tool_) {
+    return;
+  }
+  if (Joint& joint = tool_->joint; joint.drive == Drive::kSpeed) {
+    joint_.speed_rad_s = value;
+  } else {
+    joint.torque_nm = value;
+  }
+}
+
+void LabBed::meetSoil() noexcept {
+  const Joint& joint = tool_->joint;
+  if (!joint.any()) {
+    wrench_ = applyToolContact(*tool_, tool_pose_, tool_twist_, dt_s_, bed_, tool_memory_).wrench;
+    return;
+  }
+  turn(joint_, dt_s_);
+  const Pose pose = turned(tool_pose_, joint, joint_.angle_rad);
+  const Twist twist = turning(tool_pose_, tool_twist_, joint, joint_.speed_rad_s, pose);
+  wrench_ = applyToolContact(*tool_, pose, twist, dt_s_, bed_, tool_memory_).wrench;
+  joint_.soil_torque_nm = torqueAboutAxis(tool_pose_, joint, pose, wrench_);
+  joint_.motor_torque_nm = drive(joint, joint_, joint_.soil_torque_nm, dt_s_);
+  wrench_.torque_nm += (pose.position_m - tool_pose_.position_m).cross(wrench_.force_n);
+}
+
 void LabBed::step() {
   if (tool_) {
     tool_pose_.position_m += dt_s_ * tool_twist_.linear_m_s;
@@ -296,7 +324,7 @@ void LabBed::step() {
       tool_pose_.orientation =
           (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_pose_.orientation).normalized();
     }
-    wrench_ = applyToolContact(*tool_, tool_pose_, tool_twist_, dt_s_, bed_, tool_memory_).wrench;
+    meetSoil();
   }
   if (const StepStatus status = bed_.step(dt_s_); status != StepStatus::kOk) {
     throw Failure(fmt::format("the test failed after {:.3f} s of simulated time: {}", time_s_, text(status)));

@@ -95,12 +95,17 @@ class LabBed {
   [[nodiscard]] Vec3 forceOnBody(std::size_t body) const noexcept;
   [[nodiscard]] Vec3 centreOfBody(std::size_t body) const noexcept;
 
+  // A tool with a joint turns about its hub: pose, twist and wrench below are those of the hub.
   void placeTool(const Pose& scene_T_tool) noexcept { tool_pose_ = scene_T_tool; }
   /// @param twist  twist of the tool's origin, scene frame.
   void moveTool(const Twist& twist) noexcept { tool_twist_ = twist; }
   [[nodiscard]] const Pose& toolPose() const noexcept { return tool_pose_; }  ///< scene_T_tool
   /// Returns the soil wrench of the last step, about the tool's origin, scene frame.
   [[nodiscard]] const Wrench& toolWrench() const noexcept { return wrench_; }
+  /// Sets the speed or torque of the joint's motor, in rad/s or N m.
+  void driveJoint(double value) noexcept;
+  /// Returns the angle and speed of the joint, and its torques in the last step.
+  [[nodiscard]] const JointState& joint() const noexcept { return joint_; }
 
   /// Advances the tool and the bed by one time step. @throws Failure when the bed has failed.
   void step();
@@ -122,6 +127,7 @@ class LabBed {
   };
   void run(double duration_s, std::string_view what, const std::function<void()>& each, const Part& part);
   void settleUntilRest(double longest_s, std::string_view what, const Part& part);
+  void meetSoil() noexcept;
 
   LabConditions conditions_;
   double dt_s_;
@@ -132,6 +138,7 @@ class LabBed {
   ToolMemory tool_memory_{bed_};
   Pose tool_pose_;
   Twist tool_twist_;
+  JointState joint_;
   Wrench wrench_;
   double time_s_ = 0;
 };

@@ -25,6 +25,7 @@ inline constexpr double kMm = 1e-3;
 [[nodiscard]] LabTest bladeEntry();
 [[nodiscard]] LabTest grainSizeEntry();
 [[nodiscard]] LabTest rftEntry();
+[[nodiscard]] LabTest wheelEntry();
 [[nodiscard]] LabTest hopperEntry();
 [[nodiscard]] LabTest payloadEntry();
 [[nodiscard]] LabTest freeFallEntry();

@@ -59,9 +59,9 @@ LabTest inUnitsOfOptions(LabTest test) {
 }  // namespace
 
 std::vector<LabTest> labTests() {
-  std::vector<LabTest> tests{settleEntry(),  shearEntry(),    reposeEntry(),    verticalCutEntry(),
-                             plateEntry(),   coneEntry(),     bladeEntry(),     hopperEntry(),
-                             payloadEntry(), freeFallEntry(), grainSizeEntry(), rftEntry()};
+  std::vector<LabTest> tests{settleEntry(),    shearEntry(), reposeEntry(), verticalCutEntry(), plateEntry(),
+                             coneEntry(),      bladeEntry(), hopperEntry(), payloadEntry(),     freeFallEntry(),
+                             grainSizeEntry(), rftEntry(),   wheelEntry()};
   for (LabTest& test : tests) {
     test = inUnitsOfOptions(std::move(test));
   }
