@@ -21,6 +21,14 @@ struct ToolForce {
   double grip_n = 0;  ///< > 0 opens the fingers
 };
 
+/// A joint between two ticks. Torques act on the tool about the axis and are means over the last tick.
+struct JointState {
+  double angle_rad = 0;  ///< -pi to pi; at 0 the tool's frame is the hub's
+  double speed_rad_s = 0;
+  double soil_torque_nm = 0;
+  double motor_torque_nm = 0;  ///< holds a speed against the soil: minus the soil's
+};
+
 /// The rotation from one orientation to another as a vector: axis times angle, in rad, scene frame.
 [[nodiscard]] Vec3 rotationBetween(const Quat& from, const Quat& to) noexcept;
 

@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
+#include "haptolith/core/movement.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/device/haptic_device.h"
-#include "haptolith/tool/joint.h"
 
 namespace haptolith {
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/movement.h"
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
@@ -36,14 +37,6 @@ struct JointRanges {
 
 /// @throws InvalidParameter with the key, the value and the valid range.
 void validate(const Joint& joint);
-
-/// A joint between two ticks. Torques act on the tool about the axis and are means over the last tick.
-struct JointState {
-  double angle_rad = 0;  ///< -pi to pi; at 0 the tool's frame is the hub's
-  double speed_rad_s = 0;
-  double soil_torque_nm = 0;
-  double motor_torque_nm = 0;  ///< holds a speed against the soil: minus the soil's
-};
 
 /// Pose of a tool that its joint has turned from `scene_T_hub` by an angle. May be called in the tick.
 [[nodiscard]] Pose turned(const Pose& scene_T_hub, const Joint& joint, double angle_rad) noexcept;
