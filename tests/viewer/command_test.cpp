@@ -34,7 +34,11 @@ TEST(Command, EveryCommandOfTheProtocolIsUnderstood) {
   const auto hold = parsed<command::Hold>(R"({"do": "hold", "pose": [0.1, 0.2, 0.3, 1, 0, 0, 0]})");
   EXPECT_EQ(hold.scene_T_tool.position_m, Vec3(0.1, 0.2, 0.3));
   EXPECT_EQ(hold.scene_T_tool.orientation.w(), 1);
-  parsed<command::Release>(R"({"do": "release"})");
+  EXPECT_EQ(hold.tool, std::nullopt);
+  EXPECT_EQ(parsed<command::Hold>(R"({"do": "hold", "pose": [0, 0, 0, 1, 0, 0, 0], "tool": "left"})").tool, "left");
+  EXPECT_EQ(parsed<command::Release>(R"({"do": "release"})").tool, std::nullopt);
+  EXPECT_EQ(parsed<command::Release>(R"({"do": "release", "tool": "left"})").tool, "left");
+  EXPECT_EQ(parsed<command::Play>(R"({"do": "play", "motion": "stir", "tool": "left"})").tool, "left");
   EXPECT_EQ(parsed<command::Play>(R"({"do": "play", "motion": "stir"})").motion, HandMotion::kStir);
   const auto file = parsed<command::ToolFile>(
       R"({"do": "tool_file", "upload": 7, "name": "Ålesund.OBJ", "unit_mm": 25.4, "sheet_thickness_mm": 1.5})");

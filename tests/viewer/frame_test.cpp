@@ -42,12 +42,17 @@ struct Read {
     at(112, runs), at(116, records), at(120, number);
     EXPECT_EQ(bytes[0], 1);
     EXPECT_EQ(bytes[1], 1);
+    std::size_t end = 128 + 8 * runs + 8 * records;
     if ((flags & 16) != 0) {
-      at(128 + 8 * runs + 8 * records, stones);
-      EXPECT_EQ(bytes.size(), 132 + 8 * runs + 8 * records + 28 * stones);
-    } else {
-      EXPECT_EQ(bytes.size(), 128 + 8 * runs + 8 * records);
+      at(end, stones);
+      end += 4 + 28 * stones;
     }
+    tools_at = end + 4;
+    if ((flags & 32) != 0) {
+      at(end, tools);
+      end = tools_at + 116 * tools;
+    }
+    EXPECT_EQ(bytes.size(), end);
     std::size_t record = 128 + 8 * runs;
     for (std::uint32_t run = 0; run < runs; ++run) {
       std::uint32_t first = 0;
@@ -78,7 +83,9 @@ struct Read {
   };
   const std::string& bytes_;
   std::uint16_t flags = 0;
-  std::uint32_t scene = 0, misses = 0, awake = 0, particles = 0, runs = 0, records = 0, number = 0, stones = 0;
+  std::uint32_t scene = 0, misses = 0, awake = 0, particles = 0, runs = 0, records = 0, number = 0, stones = 0,
+                tools = 0;
+  std::size_t tools_at = 0;
   double time_s = 0;
   float tick_us = 0;
   std::vector<Shown> shown;
@@ -250,6 +257,50 @@ TEST(Frame, EachSaysWhereAllStonesAreAfterTheRecords) {
   EXPECT_EQ(number(moved, 9), 0.06F);
 }
 
+/// Two tools, of which the second is a wheel that has turned and that client 3 pulls.
+SceneSnapshot withTwoTools(SceneSnapshot snapshot) {
+  snapshot.tools.assign(2, {});
+  snapshot.tools[0].scene_T_tool = snapshot.tools[0].turned = snapshot.scene_T_tool;
+  snapshot.tools[0].opening_m = 0.0625;
+  snapshot.tools[1].scene_T_tool = {Vec3(0.04, 0, 0.05)};
+  snapshot.tools[1].turned = {Vec3(0.04, 0, 0.05), Quat(0.5, -0.5, 0.5, -0.5)};
+  snapshot.tools[1].device_wrench_in_scene = {Vec3(4, 5, -6), Vec3(0.04, 0.05, -0.06)};
+  return snapshot;
+}
+const std::vector<BesideTool> kBesideTwoTools{{}, {.wanted = Pose{Vec3(0.04, 0, 0.04)}, .held_by = 3}};
+
+TEST(Frame, EachHasEveryToolAfterTheStones) {
+  SceneSnapshot snapshot = withTwoTools(still(20, 1));
+  snapshot.stones = {{Vec3(0.01, -0.02, 0.03)}};
+  FrameEncoder encoder(1, 20, kSpace);
+  encoder.take(snapshot, {.tools = kBesideTwoTools});
+  const auto bytes = encoder.frameSince(0);
+  const Read frame(*bytes);
+  EXPECT_EQ(frame.flags, 4 + 16 + 32);
+  EXPECT_EQ(frame.stones, 1U);
+  ASSERT_EQ(frame.tools, 2U);
+  EXPECT_EQ(frame.real(frame.tools_at + 108), 0.0625F);
+  const std::size_t second = frame.tools_at + 116;
+  const std::array expected{0.04F, 0.0F, 0.05F, 0.5F,  -0.5F, 0.5F,   -0.5F,         // turned
+                            0.04F, 0.0F, 0.05F, 1.0F,  0.0F,  0.0F,   0.0F,          // hub
+                            4.0F,  5.0F, -6.0F, 0.04F, 0.05F, -0.06F,                // wrench
+                            0.04F, 0.0F, 0.04F, 1.0F,  0.0F,  0.0F,   0.0F,  0.0F};  // wanted, opening
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(frame.real(second + 4 * i), expected[i]) << i;
+  }
+  std::uint32_t held_by = 0;
+  frame.at(second + 112, held_by);
+  EXPECT_EQ(held_by, 3U);
+}
+
+TEST(Frame, HasTheFirstToolAloneUnlessAskedForAll) {
+  FrameEncoder one(1, 20, kSpace);
+  one.take(still(20, 1), {});
+  FrameEncoder two(1, 20, kSpace);
+  two.take(withTwoTools(still(20, 1)), {});
+  EXPECT_EQ(*two.frameSince(0), *one.frameSince(0));
+}
+
 /// A device a quarter turn from the scene, whose handle goes along the scene's x, 15 mm below the surface.
 class TurnedDevice final : public HapticDevice {
  public:
@@ -329,6 +380,11 @@ TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   FrameEncoder with_stones(7, 40, kSpace, 99);
   with_stones.take(snapshot, {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads});
   EXPECT_EQ(*with_stones.frameSince(0), bytesOf("tests/data/frame-v1-stones.bin"));
+
+  FrameEncoder with_tools(7, 40, kSpace, 99);
+  with_tools.take(withTwoTools(snapshot),
+                  {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads, .tools = kBesideTwoTools});
+  EXPECT_EQ(*with_tools.frameSince(0), bytesOf("tests/data/frame-v1-tools.bin"));
 }
 
 }  // namespace

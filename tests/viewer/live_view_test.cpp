@@ -46,7 +46,7 @@ struct TalkingExtension {
       throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again), "no thread");
     }
     if (message["act"] == "let go") {
-      view->releaseTool();
+      view->releaseTools();
     }
     if (message["act"] == "hold no more") {
       may_hold = false;
@@ -75,8 +75,7 @@ struct TalkingExtension {
 class LiveViewTest : public testing::Test {
  protected:
   explicit LiveViewTest(bool has_extension = false, LiveView::Clients clients = LiveView::Clients::kCommand,
-                        std::unique_ptr<HapticDevice> device = nullptr) {
-    SceneFile scene_file;
+                        std::unique_ptr<HapticDevice> device = nullptr, SceneFile scene_file = {}) {
     scene_file.hand.motion = HandMotion::kStill;
     scene_file.loop.real_time = false;
     session_ = std::make_unique<Session>(scene_file, false, SettleProgress{}, std::move(device));
@@ -202,6 +201,31 @@ TEST(SceneMessage, HasTheMeshOfAToolWhateverTheShapeIsNow) {
   EXPECT_EQ(tool_of(SceneFile())["mesh"], nullptr);
 }
 
+TEST(SceneMessage, HasEveryToolWhereThereAreSeveralOrTheyTurn) {
+  const auto texts_of = [](const std::string& tools) {
+    const SceneFile scene_file = sceneFileFromText(tools, "x.toml");
+    const SceneLookedAt shown{
+        .scene_file = scene_file, .soil = scene_file.bed.soil, .grains = {}, .low_m = {}, .high_m = {}};
+    return sceneMessages(shown, {Vec3(-1, -1, -1), Vec3(1, 1, 1)});
+  };
+  EXPECT_FALSE(Json::parse(texts_of("").whole).contains("tools"));
+  const Board::Texts texts = texts_of("[[tools]]\nname = 'left'\n[[tools]]\nname = 'right'\nmodel = 'rake'\n");
+  const Json scene = Json::parse(texts.whole);
+  ASSERT_EQ(scene["tools"].size(), 2U);
+  EXPECT_EQ(scene["tools"][0]["name"], "left");
+  EXPECT_EQ(scene["tools"][0]["shape"], scene["tool"]["shape"]);
+  EXPECT_EQ(scene["tools"][1]["name"], "right");
+  EXPECT_EQ(scene["tools"][1]["mesh"]["name"], "rake");
+  const Json nameless = Json::parse(texts.nameless);
+  ASSERT_EQ(nameless["tools"].size(), 1U) << "a participant sees the own tool";
+  EXPECT_EQ(nameless["tools"][0]["name"], "");
+  EXPECT_EQ(texts.nameless.find("rake"), std::string::npos);
+  const Json wheel = Json::parse(
+      texts_of("[tool]\nshape = 'cylinder'\njoint_drive = 'speed'\njoint_axis = [0, 0, 1]\njoint_speed_rad_s = 1\n")
+          .whole);
+  EXPECT_EQ(wheel["tools"].size(), 1U);
+}
+
 TEST(SceneMessage, HasStonesOnlyWhereThereAreAny) {
   const Session session(SceneFile(), false, SettleProgress{});
   EXPECT_FALSE(Json::parse(sceneMessages(session, {Vec3(-1, -1, -1), Vec3(1, 1, 1)}).whole).contains("stones"));
@@ -273,6 +297,58 @@ TEST_F(LiveViewTest, CommandsReachTheSession) {
   EXPECT_EQ(ask(client, {{"do", "record"}, {"on", true}})["ok"], true);
   EXPECT_TRUE(until(client, "status", [](const Json& s) { return s["recording"] == "tape.csv"; }));
   EXPECT_TRUE(recording_);
+}
+
+/// Two shovels side by side.
+class TwoToolsTest : public LiveViewTest {
+ protected:
+  TwoToolsTest()
+      : LiveViewTest(false, LiveView::Clients::kCommand, nullptr,
+                     sceneFileFromText(
+                         "[hand]\nmotion = 'still'\n[[tools]]\nname = 'left'\n[tools.hand]\nhome_mm = [-40, 0, 85]\n"
+                         "[[tools]]\nname = 'right'\n[tools.hand]\nhome_mm = [40, 0, 85]\n",
+                         "x.toml")) {}
+
+  static Json hold(WsClient& client, const char* tool) {
+    return ask(client, {{"do", "hold"}, {"pose", {0.04, 0, 0.09, 1, 0, 0, 0}}, {"tool", tool}});
+  }
+};
+
+TEST_F(TwoToolsTest, TwoClientsHoldOneEach) {
+  WsClient one(port_);
+  ASSERT_EQ(one.upgrade(), 101U);
+  EXPECT_EQ(one.receive("scene").value()["tools"][1]["name"], "right");
+  EXPECT_EQ(hold(one, "right")["ok"], true);
+  {
+    WsClient other(port_);
+    ASSERT_EQ(other.upgrade(), 101U);
+    EXPECT_EQ(hold(other, "right")["error"], "another client controls the tool");
+    EXPECT_EQ(ask(other, {{"do", "play"}, {"motion", "press"}, {"tool", "right"}})["ok"], false);
+    EXPECT_EQ(ask(other, {{"do", "release"}, {"tool", "right"}})["ok"], true) << "which releases nothing";
+    EXPECT_EQ(hold(other, "left")["ok"], true);
+    EXPECT_TRUE(until(one, "status", [](const Json& s) { return s["held_by"] == 2; }));
+    EXPECT_EQ(hold(one, "left")["ok"], false);
+  }
+  EXPECT_TRUE(until(one, "status", [](const Json& s) { return s["held_by"].is_null(); })) << "it has left";
+  EXPECT_EQ(hold(one, "left")["ok"], true);
+  EXPECT_EQ(ask(one, {{"do", "release"}})["ok"], true) << "of the first";
+  EXPECT_TRUE(until(one, "status", [](const Json& s) { return s["held_by"].is_null(); }));
+}
+
+TEST_F(TwoToolsTest, AToolWithoutThatNameIsRefused) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  const std::string error = hold(client, "middle")["error"];
+  EXPECT_THAT(error, testing::HasSubstr("tool = 'middle' is not valid: must be the name of a tool in this scene"));
+}
+
+TEST_F(TwoToolsTest, AMotionIsOfOneTool) {
+  WsClient client(port_);
+  ASSERT_EQ(client.upgrade(), 101U);
+  EXPECT_EQ(ask(client, {{"do", "play"}, {"motion", "press"}, {"tool", "right"}})["ok"], true);
+  EXPECT_TRUE(until(client, "scene", [](const Json& s) {
+    return s["tools"][0]["motion"] == "still" && s["tools"][1]["motion"] == "press" && s["hand"]["motion"] == "still";
+  }));
 }
 
 TEST_F(LiveViewTest, ARobotThatFollowsIsToldOfWithTheStatus) {

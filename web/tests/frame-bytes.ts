@@ -1,6 +1,6 @@
 // Writes frames as specified in docs/reference/web-messages.md, for tests and for the mock: the inverse of decodeFrame.
 
-import type { FrameHeader, Pose } from 'haptolith-protocol';
+import type { FrameHeader, Pose, ToolState } from 'haptolith-protocol';
 
 export interface RecordValues {
   x: number;
@@ -15,15 +15,17 @@ export function encodeFrame(
   runs: [first: number, count: number][],
   records: RecordValues[],
   stones: Pose[] = [],
+  tools: ToolState[] = [],
 ): ArrayBuffer {
   const stones_at = 128 + 8 * runs.length + 8 * records.length;
-  const buffer = new ArrayBuffer(stones_at + (stones.length > 0 ? 4 + 28 * stones.length : 0));
+  const tools_at = stones_at + (stones.length > 0 ? 4 + 28 * stones.length : 0);
+  const buffer = new ArrayBuffer(tools_at + (tools.length > 0 ? 4 + 116 * tools.length : 0));
   const view = new DataView(buffer);
   const f32 = (at: number, values: readonly number[]): void =>
     values.forEach((value, i) => view.setFloat32(at + 4 * i, value, true));
   view.setUint8(0, 1);
   view.setUint8(1, 1);
-  const flags = [header.paused, header.held, header.whole, header.forcesValid, stones.length > 0];
+  const flags = [header.paused, header.held, header.whole, header.forcesValid, stones.length > 0, tools.length > 0];
   view.setUint16(
     2,
     flags.reduce((sum, flag, bit) => sum + Number(flag) * 2 ** bit, 0),
@@ -56,5 +58,12 @@ export function encodeFrame(
   }
   if (stones.length > 0) view.setUint32(stones_at, stones.length, true);
   stones.forEach(({ position_m, rotation }, i) => f32(stones_at + 4 + 28 * i, [...position_m, ...rotation]));
+  if (tools.length > 0) view.setUint32(tools_at, tools.length, true);
+  tools.forEach(({ turned, hub, force_n, torque_nm, wished, opening_m, held_by }, i) => {
+    const poses = (...all: Pose[]): number[] => all.flatMap(({ position_m, rotation }) => [...position_m, ...rotation]);
+    const tool_at = tools_at + 4 + 116 * i;
+    f32(tool_at, [...poses(turned, hub), ...force_n, ...torque_nm, ...poses(wished), opening_m]);
+    view.setUint32(tool_at + 112, held_by, true);
+  });
   return buffer;
 }

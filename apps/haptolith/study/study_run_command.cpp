@@ -106,24 +106,28 @@ void requireRoom(const StudyStore& store, const StudyRunOptions& options) {
 
 /// Connects the view with the study's pages, for the lifetime of the pages.
 LiveView::Extension extensionOf(StudyPages& pages) {
-  return {.handle =
-              [&pages](std::uint32_t client, std::string_view message) {
-                pages.handleMessages(client, message);
-                return std::string();
-              },
-          .joined =
-              [&pages](std::uint32_t client, std::size_t entrance) {
-                pages.join(client, entrance == kExperimenters ? StudyRole::kExperimenter : StudyRole::kParticipant);
-              },
-          .left = [&pages](std::uint32_t client) { pages.leave(client); },
-          .refuse =
-              [&pages](std::uint32_t client, const Command& asked) {
-                using Wish = StudyPages::Wish;
-                const bool looks =
-                    std::holds_alternative<command::Colour>(asked) || std::holds_alternative<command::Release>(asked);
-                const bool holds = std::holds_alternative<command::Hold>(asked);
-                return pages.refusal(client, looks ? Wish::kLook : holds ? Wish::kHoldTool : Wish::kChangeScene);
-              }};
+  return {
+      .handle =
+          [&pages](std::uint32_t client, std::string_view message) {
+            pages.handleMessages(client, message);
+            return std::string();
+          },
+      .joined =
+          [&pages](std::uint32_t client, std::size_t entrance) {
+            pages.join(client, entrance == kExperimenters ? StudyRole::kExperimenter : StudyRole::kParticipant);
+          },
+      .left = [&pages](std::uint32_t client) { pages.leave(client); },
+      .refuse =
+          [&pages](std::uint32_t client, const Command& asked) {
+            using Wish = StudyPages::Wish;
+            const bool looks =
+                std::holds_alternative<command::Colour>(asked) || std::holds_alternative<command::Release>(asked);
+            const auto* hold = std::get_if<command::Hold>(&asked);
+            if (hold != nullptr && hold->tool) {
+              return std::string("a study's pages hold the first tool");
+            }
+            return pages.refusal(client, looks ? Wish::kLook : hold != nullptr ? Wish::kHoldTool : Wish::kChangeScene);
+          }};
 }
 
 /// Study with its scene and pages, from the first page to the end.
@@ -265,7 +269,7 @@ class StudyRun {
   void showPages() {
     const StudyPages::News news = pages_.news(rig_.force());
     if (news.lets_go) {
-      view_.releaseTool();
+      view_.releaseTools();
     }
     if (!news.problem.empty()) {
       spdlog::warn("the experimenter's page is not updated: {}", news.problem);

@@ -52,7 +52,7 @@ std::optional<double> millimetres(const JsonValue& object, const char* key, cons
 
 command::Hold hold(const JsonValue& message) {
   const auto p = message.at("pose").numbers<7>({-1000, 1000});
-  return {{Vec3(p[0], p[1], p[2]), Quat(p[3], p[4], p[5], p[6])}};
+  return {{Vec3(p[0], p[1], p[2]), Quat(p[3], p[4], p[5], p[6])}, text(message, "tool")};
 }
 
 command::Play play(const JsonValue& message) {
@@ -61,7 +61,7 @@ command::Play play(const JsonValue& message) {
   if (!motion || *motion == HandMotion::kPoses) {
     throw InvalidParameter("motion", motion ? "poses" : "nothing", anyOf(playableMotions()));
   }
-  return {*motion};
+  return {*motion, text(message, "tool")};
 }
 
 void readTool(const JsonValue& tool, SceneChange& change) {
@@ -146,7 +146,7 @@ Command commandOf(const JsonValue& message) {
   using Reader = Command (*)(const JsonValue&);
   static const std::map<std::string, Reader> kReaders = {
       {"hold", [](const JsonValue& m) -> Command { return hold(m); }},
-      {"release", [](const JsonValue&) -> Command { return command::Release{}; }},
+      {"release", [](const JsonValue& m) -> Command { return command::Release{text(m, "tool")}; }},
       {"play", [](const JsonValue& m) -> Command { return play(m); }},
       {"scene", [](const JsonValue& m) -> Command { return change(m); }},
       {"tool_file", [](const JsonValue& m) -> Command { return toolFile(m); }},

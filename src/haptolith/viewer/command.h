@@ -23,10 +23,14 @@ namespace command {
 
 struct Hold {
   Pose scene_T_tool;
+  std::optional<std::string> tool;  ///< its name; empty: the first
 };
-struct Release {};
+struct Release {
+  std::optional<std::string> tool;
+};
 struct Play {
   HandMotion motion = HandMotion::kStill;
+  std::optional<std::string> tool;
 };
 struct Change {
   SceneChange change;

@@ -107,6 +107,7 @@ void exportFilm(RecordedPictures& pictures, std::string_view version,
   const SceneFile& scene_file = *pictures.sceneFile();
   std::optional<FrameEncoder> encoder;
   SceneSnapshot snapshot;
+  const std::vector<BesideTool> beside(showsEveryTool(scene_file) ? toolCount(scene_file) : 0);
   pictures.forEach([&](const ScenePicture& picture) {
     if (!encoder) {
       const double surface_m = surfaceOf(picture, scene_file.bed);
@@ -134,7 +135,7 @@ void exportFilm(RecordedPictures& pictures, std::string_view version,
     }
     const std::uint32_t before = encoder->number();
     show(snapshot, picture);
-    encoder->take(snapshot, {.load_n = picture.contact_force_n});
+    encoder->take(snapshot, {.load_n = picture.contact_force_n, .tools = beside});
     write(packed(MessageKind::kFrame, *encoder->frameSince(before)));
   });
 }

@@ -19,6 +19,7 @@ constexpr std::uint16_t kHeld = 2;
 constexpr std::uint16_t kWhole = 4;
 constexpr std::uint16_t kLoadsKnown = 8;
 constexpr std::uint16_t kHasStones = 16;
+constexpr std::uint16_t kHasTools = 32;
 
 /// A number between 10^lowest and 10^(lowest + decades) as 1 to 255, on a logarithmic scale.
 std::uint8_t onLogScale(double value, double lowest_exponent, double decades) {
@@ -58,6 +59,11 @@ void putPose(std::string& bytes, const Pose& pose) {
   for (const double value : {pose.orientation.w(), pose.orientation.x(), pose.orientation.y(), pose.orientation.z()}) {
     put(bytes, static_cast<float>(value));
   }
+}
+
+void putWrench(std::string& bytes, const Wrench& wrench) {
+  putVector(bytes, wrench.force_n);
+  putVector(bytes, wrench.torque_nm);
 }
 
 }  // namespace
@@ -104,6 +110,11 @@ void FrameEncoder::take(const SceneSnapshot& snapshot, const BesideSnapshot& bes
   }
   tool_ = snapshot.scene_T_tool;
   stones_ = snapshot.stones;
+  tools_.clear();
+  for (std::size_t i = 0; i < std::min(snapshot.tools.size(), beside.tools.size()); ++i) {
+    const ShownTool& shown = snapshot.tools[i];
+    tools_.push_back({shown, beside.tools[i].wanted.value_or(shown.scene_T_tool), beside.tools[i].held_by});
+  }
   wanted_ = beside.wanted.value_or(tool_);
   held_ = beside.held;
   shown_wrench_ = snapshot.device_wrench_in_scene;
@@ -153,6 +164,17 @@ std::shared_ptr<const std::string> FrameEncoder::frameSince(std::uint32_t seen) 
       putPose(bytes, stone);
     }
   }
+  if (!tools_.empty()) {
+    put(bytes, static_cast<std::uint32_t>(tools_.size()));
+    for (const Tool& tool : tools_) {
+      putPose(bytes, tool.shown.turned);
+      putPose(bytes, tool.shown.scene_T_tool);
+      putWrench(bytes, tool.shown.device_wrench_in_scene);
+      putPose(bytes, tool.wanted);
+      put(bytes, static_cast<float>(tool.shown.opening_m));
+      put(bytes, tool.held_by);
+    }
+  }
   kept_.push_back({seen, std::make_shared<const std::string>(std::move(bytes))});
   return kept_.back().frame;
 }
@@ -164,12 +186,11 @@ std::string FrameEncoder::headFor(std::uint32_t runs, std::uint32_t records) con
   put(bytes, kFrameVersion);
   put(bytes, static_cast<std::uint16_t>(flag(paused_, kPaused) | flag(held_, kHeld) |
                                         flag(records == records_.size(), kWhole) | flag(loads_known_, kLoadsKnown) |
-                                        flag(!stones_.empty(), kHasStones)));
+                                        flag(!stones_.empty(), kHasStones) | flag(!tools_.empty(), kHasTools)));
   put(bytes, scene_);
   put(bytes, time_s_);
   putPose(bytes, tool_);
-  putVector(bytes, shown_wrench_.force_n);
-  putVector(bytes, shown_wrench_.torque_nm);
+  putWrench(bytes, shown_wrench_);
   putPose(bytes, wanted_);
   put(bytes, static_cast<float>(tick_us_));
   put(bytes, misses_);

@@ -17,15 +17,22 @@ struct FrameSpace {
   Vec3 low_m, high_m;
 };
 
+/// Data of a tool in addition to a snapshot.
+struct BesideTool {
+  std::optional<Pose> wanted = {};  ///< its target
+  std::uint32_t held_by = 0;        ///< number of the client that holds it; 0: none
+};
+
 /// Data in addition to a snapshot.
 struct BesideSnapshot {
-  std::optional<Pose> wanted = {};  ///< target of the tool
+  std::optional<Pose> wanted = {};  ///< target of the first tool
   bool held = false;
-  std::span<const float> load_n = {};  ///< contact force of each particle; empty: unknown
+  std::span<const float> load_n = {};      ///< contact force of each particle; empty: unknown
+  std::span<const BesideTool> tools = {};  ///< one per tool; empty: pictures have the first alone
 };
 
 /// Pictures of the bed as bytes: docs/reference/web-messages.md. Positions are quantised, and only particles whose
-/// bytes have changed since a client's last frame are in its next; stones are in all. Not thread-safe.
+/// bytes have changed since a client's last frame are in its next; stones and tools are in all. Not thread-safe.
 class FrameEncoder {
  public:
   /// @param scene  number of the scene, counted up when the particles are others.
@@ -53,6 +60,11 @@ class FrameEncoder {
   };
   static_assert(sizeof(Record) == 8);
   struct Head;
+  struct Tool {
+    ShownTool shown;
+    Pose wanted;
+    std::uint32_t held_by = 0;
+  };
   struct Kept {
     std::uint32_t seen;
     std::shared_ptr<const std::string> frame;
@@ -72,6 +84,7 @@ class FrameEncoder {
   Pose tool_, wanted_;
   Wrench shown_wrench_;  ///< device wrench in scene axes
   std::vector<Pose> stones_;
+  std::vector<Tool> tools_;  ///< none where frames have the first alone
   double time_s_ = 0, tick_us_ = 0, opening_m_ = 0;
   std::uint32_t misses_ = 0, awake_ = 0;
   bool paused_ = false, held_ = false, loads_known_ = false;

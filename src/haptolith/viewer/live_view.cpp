@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "haptolith/bed/measure/contact_load.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/overloaded.h"
+#include "haptolith/core/plain_text.h"
 #include "haptolith/viewer/messages.h"
 
 namespace haptolith {
@@ -35,6 +37,19 @@ bool changesWhatIsFelt(const Command& asked) {
          std::holds_alternative<command::Coarser>(asked) || std::holds_alternative<command::Undo>(asked);
 }
 
+/// The number of a tool. The message has no names of tools: a participant of a study might read them.
+std::size_t toolNamed(const SceneFile& scene_file, const std::optional<std::string>& name) {
+  if (!name) {
+    return 0;
+  }
+  const std::vector<std::string_view> names = toolNames(scene_file);
+  const auto found = std::ranges::find(names, *name);
+  if (found == names.end()) {
+    throw InvalidParameter("tool", inQuotes(*name), "the name of a tool in this scene");
+  }
+  return static_cast<std::size_t>(found - names.begin());
+}
+
 }  // namespace
 
 LiveView::LiveView(Session& session, const WebServerOptions& options, std::string_view version, Recorder recorder,
@@ -55,7 +70,7 @@ void LiveView::handleMessages() {
       extension_.joined(event.client, event.entrance);
     }
     if (event.kind == WebServer::Event::Kind::kLeft) {
-      releaseTool(event.client);
+      releaseToolsOf(event.client);
       coloured_by_force_.erase(event.client);
       if (extension_.left) {
         extension_.left(event.client);
@@ -83,7 +98,7 @@ std::string LiveView::answer(std::uint32_t client, const ClientMessage& message,
     }
     if (std::string refused = refusal(client, message); !refused.empty()) {
       if (std::holds_alternative<command::Hold>(*message.command)) {
-        releaseTool(client);
+        releaseToolsOf(client);
       }
       return refused;
     }
@@ -119,19 +134,21 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
   scene_changed_ = scene_changed_ || !std::holds_alternative<command::Hold>(asked);
   std::visit(
       Overloaded{[&](const command::Hold& hold) {
-                   if (holder_ && *holder_ != client) {
-                     throw Failure("another client controls the tool");
-                   }
-                   session_.hold(hold.scene_T_tool);
-                   holder_ = client;
+                   const std::size_t tool = freeTool(client, hold.tool);
+                   session_.hold(hold.scene_T_tool, tool);
+                   holders_[tool] = client;
                  },
-                 [&](const command::Release&) { releaseTool(client); },
-                 [&](const command::Play& play) {
-                   if (holder_ && *holder_ != client) {
-                     throw Failure("another client controls the tool");
+                 [&](const command::Release& release) {
+                   const auto held = holders_.find(toolNamed(session_.sceneFile(), release.tool));
+                   if (held != holders_.end() && held->second == client) {
+                     session_.release(held->first);
+                     holders_.erase(held);
                    }
-                   holder_.reset();
-                   session_.play(play.motion);
+                 },
+                 [&](const command::Play& play) {
+                   const std::size_t tool = freeTool(client, play.tool);
+                   holders_.erase(tool);
+                   session_.play(play.motion, tool);
                  },
                  [&](const command::Change& change) { session_.change(change.change); },
                  [&](const command::ToolFile& file) {
@@ -146,7 +163,7 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
                  [&](const command::Coarser&) { session_.coarsen(); }, [&](const command::Undo&) { session_.undo(); },
                  [&](const command::Pause&) {
                    session_.pause();
-                   releaseTool();
+                   releaseTools();
                  },
                  [&](const command::Resume&) { session_.resume(); },
                  [&](const command::Step& step) { session_.advance(step.ticks); },
@@ -169,17 +186,39 @@ void LiveView::carryOut(std::uint32_t client, const Command& asked) {
       asked);
 }
 
-void LiveView::releaseTool() {
-  if (holder_) {
-    releaseTool(*holder_);
+void LiveView::releaseTools() {
+  for (const auto& [tool, client] : std::exchange(holders_, {})) {
+    session_.release(tool);
   }
 }
 
-void LiveView::releaseTool(std::uint32_t client) {
-  if (holder_ == client) {
-    holder_.reset();
-    session_.release();
+void LiveView::releaseToolsOf(std::uint32_t client) {
+  std::erase_if(holders_, [&](const auto& held) {
+    if (held.second == client) {
+      session_.release(held.first);
+    }
+    return held.second == client;
+  });
+}
+
+/// Number of a tool that no other client holds.
+std::size_t LiveView::freeTool(std::uint32_t client, const std::optional<std::string>& name) const {
+  const std::size_t tool = toolNamed(session_.sceneFile(), name);
+  if (const auto held = holders_.find(tool); held != holders_.end() && held->second != client) {
+    throw Failure("another client controls the tool");
   }
+  return tool;
+}
+
+std::vector<BesideTool> LiveView::besideTools() const {
+  std::vector<BesideTool> tools;
+  if (showsEveryTool(session_.shown())) {
+    for (std::size_t tool = 0; tool < session_.tools(); ++tool) {
+      const auto held = holders_.find(tool);
+      tools.push_back({session_.held(tool), held == holders_.end() ? 0 : held->second});
+    }
+  }
+  return tools;
 }
 
 void LiveView::show(bool newer, bool changed) {
@@ -196,7 +235,9 @@ void LiveView::show(bool newer, bool changed) {
       loads_n_ = contactLoads(session_.shown().bed, snapshot.position);
       loads_at_ = now + std::chrono::duration_cast<Clock::duration>((Clock::now() - now) / kShareForLoads);
     }
-    board_.setPicture(snapshot, {.wanted = session_.held(), .held = holder_.has_value(), .load_n = loads_n_});
+    board_.setPicture(
+        snapshot,
+        {.wanted = session_.held(), .held = holders_.contains(0), .load_n = loads_n_, .tools = besideTools()});
   }
   if (now >= status_at_) {
     status_at_ = now + kBetweenStatus;
@@ -241,12 +282,13 @@ void LiveView::showStatus() {
     rate_at_ = now;
     rate_ticks_ = ticks;
   }
-  board_.setStatus(statusMessages(session_, {.rate_hz = rate_hz_,
-                                             .clients = server_.clients(),
-                                             .held_by = holder_,
-                                             .recording = recording,
-                                             .recorded = recorded_,
-                                             .robot = robot_ ? &*robot_ : nullptr}));
+  board_.setStatus(
+      statusMessages(session_, {.rate_hz = rate_hz_,
+                                .clients = server_.clients(),
+                                .held_by = holders_.contains(0) ? std::optional(holders_.at(0)) : std::nullopt,
+                                .recording = recording,
+                                .recorded = recorded_,
+                                .robot = robot_ ? &*robot_ : nullptr}));
 }
 
 }  // namespace haptolith

@@ -67,14 +67,16 @@ class LiveView {
   /// Sends a client a message of the extension's, a whole JSON object. A client that lets too many wait is dropped; for
   /// one that has left nothing happens.
   void send(std::uint32_t client, std::string text) { server_.send(client, std::move(text)); }
-  /// Releases the tool for the client that holds it, if one does.
-  void releaseTool();
+  /// Releases each tool for the client that holds it, if one does.
+  void releaseTools();
 
  private:
   [[nodiscard]] std::string answer(std::uint32_t client, const ClientMessage& message, std::string_view text);
   [[nodiscard]] std::string refusal(std::uint32_t client, const ClientMessage& message) const;
   void carryOut(std::uint32_t client, const Command& asked);
-  void releaseTool(std::uint32_t client);
+  void releaseToolsOf(std::uint32_t client);
+  [[nodiscard]] std::size_t freeTool(std::uint32_t client, const std::optional<std::string>& name) const;
+  [[nodiscard]] std::vector<BesideTool> besideTools() const;
   void showScene();
   void showStatus();
   [[nodiscard]] std::string recordingNow();
@@ -87,9 +89,9 @@ class LiveView {
   WebServer server_;
   FrameSpace space_;
 
-  std::string recording_;           ///< the file that was being written when last looked
-  std::filesystem::path recorded_;  ///< the last one that is finished
-  std::optional<std::uint32_t> holder_;
+  std::string recording_;                         ///< the file that was being written when last looked
+  std::filesystem::path recorded_;                ///< the last one that is finished
+  std::map<std::size_t, std::uint32_t> holders_;  ///< clients, by the tool that each holds
   std::optional<RobotShown> robot_;
   std::set<std::uint32_t> coloured_by_force_;
   std::uint32_t scene_shown_ = 0;

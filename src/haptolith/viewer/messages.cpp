@@ -106,14 +106,36 @@ OrderedJson meshJson(const TriangleMesh& mesh) {
   return {{"points_base64", packed(points_m)}, {"triangles_base64", packed(corners)}};
 }
 
-/// The tool's mesh, if the scene has one, whatever the tool's shape is now.
-OrderedJson toolMeshJson(const SceneFile& scene_file) {
-  if (scene_file.tool.mesh == nullptr) {
+/// The tool's mesh, if it has one, whatever its shape is now.
+OrderedJson toolMeshJson(const ToolParameters& tool, const ToolMeshSource& source) {
+  if (tool.mesh == nullptr) {
     return nullptr;
   }
-  OrderedJson mesh{{"name", scene_file.mesh.name}, {"report", scene_file.tool.mesh->report}};
-  mesh.update(meshJson(scene_file.tool.mesh->surface));
+  OrderedJson mesh{{"name", source.name}, {"report", tool.mesh->report}};
+  mesh.update(meshJson(tool.mesh->surface));
   return mesh;
+}
+
+OrderedJson toolJson(const ToolParameters& tool, const ToolMeshSource& source) {
+  return {{"shape", wordFor(kToolShapeWords, tool.shape)}, {"size_mm", array(kPerMetre_mm * tool.size_m)},
+          {"diameter_mm", kPerMetre_mm * tool.diameter_m}, {"thickness_mm", kPerMetre_mm * tool.thickness_m},
+          {"opening_mm", kPerMetre_mm * tool.opening_m},   {"jaw_bend_deg", tool.jaw_bend_rad * 180 / std::numbers::pi},
+          {"length_mm", kPerMetre_mm * tool.length_m},     {"mesh", toolMeshJson(tool, source)}};
+}
+
+OrderedJson namedToolJson(std::string_view name, HandMotion motion, const OrderedJson& tool) {
+  OrderedJson named{{"name", name}, {"motion", wordFor(kHandMotionWords, motion)}};
+  named.update(tool);
+  return named;
+}
+
+/// Every tool; `first` is toolJson() of the first.
+OrderedJson toolsJson(const SceneLookedAt& shown, const OrderedJson& first) {
+  OrderedJson tools = OrderedJson::array({namedToolJson(shown.scene_file.tool_name, shown.motion, first)});
+  for (const SceneTool& tool : shown.scene_file.more_tools) {
+    tools.push_back(namedToolJson(tool.name, tool.hand.motion, toolJson(tool.tool, tool.mesh)));
+  }
+  return tools;
 }
 
 OrderedJson soilJson(const SceneFile& scene_file) {
@@ -240,6 +262,10 @@ OrderedJson stoneJson(const StoneShape& stone) {
   return {{"spheres", std::move(spheres)}};
 }
 
+bool showsEveryTool(const SceneFile& scene_file) {
+  return toolCount(scene_file) > 1 || scene_file.tool.joint.any();
+}
+
 Board::Texts sceneMessages(const Session& session, const FrameSpace& space) {
   const Bed& bed = session.scene().bed();
   SceneLookedAt shown{.scene_file = session.sceneFile(),
@@ -296,15 +322,7 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) 
                        {"sliders", sliders},
                        {"body", orNull(scene_file.body)},
                        {"gravity_m_s2", array(bed.gravity_m_s2)},
-                       {"tool",
-                        {{"shape", wordFor(kToolShapeWords, scene_file.tool.shape)},
-                         {"size_mm", array(kPerMetre_mm * scene_file.tool.size_m)},
-                         {"diameter_mm", kPerMetre_mm * scene_file.tool.diameter_m},
-                         {"thickness_mm", kPerMetre_mm * scene_file.tool.thickness_m},
-                         {"opening_mm", kPerMetre_mm * scene_file.tool.opening_m},
-                         {"jaw_bend_deg", scene_file.tool.jaw_bend_rad * 180 / std::numbers::pi},
-                         {"length_mm", kPerMetre_mm * scene_file.tool.length_m},
-                         {"mesh", toolMeshJson(scene_file)}}},
+                       {"tool", toolJson(scene_file.tool, scene_file.mesh)},
                        {"hand",
                         {{"motion", wordFor(kHandMotionWords, shown.motion)},
                          {"max_force_n", scene_file.hand.max_force_n},
@@ -313,7 +331,13 @@ Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space) 
   if (!shown.stones.empty()) {
     message["stones"] = stonesJson(shown.stones);
   }
+  if (showsEveryTool(scene_file)) {
+    message["tools"] = toolsJson(shown, message["tool"]);
+  }
   std::string whole = written(message);
+  if (message.contains("tools")) {  // a participant sees the own tool
+    message["tools"] = OrderedJson::array({namedToolJson("", shown.motion, message["tool"])});
+  }
   for (auto& [key, value] : message["soil"].items()) {
     value = nullptr;
   }

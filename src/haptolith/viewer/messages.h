@@ -37,6 +37,9 @@ struct SceneLookedAt {
   Vec3 low_m, high_m;  ///< range of the tool
   std::vector<std::shared_ptr<const StoneShape>> stones = {};
 };
+/// Whether messages and frames have every tool, with its joint: elsewhere the first is enough, and they have it alone.
+[[nodiscard]] bool showsEveryTool(const SceneFile& scene_file);
+
 [[nodiscard]] Board::Texts sceneMessages(const SceneLookedAt& shown, const FrameSpace& space);
 [[nodiscard]] Board::Texts sceneMessages(const Session& session, const FrameSpace& space);
 

@@ -14,10 +14,17 @@ export interface ToolFile {
   sheet_thickness_mm: number;
 }
 
+/** Tool of a command. */
+export interface OfTool {
+  /** name of the tool; absent: the first */
+  tool?: string;
+}
+
 export type Command =
-  | { do: 'hold'; pose: [number, number, number, number, number, number, number] }
-  | { do: 'release' | 'pause' | 'resume' }
-  | { do: 'play'; motion: string }
+  | ({ do: 'hold'; pose: [number, number, number, number, number, number, number] } & OfTool)
+  | ({ do: 'release' } & OfTool)
+  | { do: 'pause' | 'resume' }
+  | ({ do: 'play'; motion: string } & OfTool)
   | FeltChange
   | { do: 'step'; ticks: number }
   | { do: 'speed'; factor: number }

@@ -1,5 +1,5 @@
-// A binary message is a frame: 128 bytes, then runs, then a record of 8 bytes per particle, then the poses of stones,
-// if any. Nothing is copied here; the arrays are views of the received message.
+// A binary message is a frame: 128 bytes, then runs, then a record of 8 bytes per particle, then the poses of stones and
+// the tools, if any. Nothing is copied here; the arrays are views of the received message.
 
 import type { Pose, Vec3 } from './pose.js';
 import { ProtocolError } from './protocol_error.js';
@@ -9,6 +9,7 @@ export const HEADER_BYTES = 128;
 export const RUN_BYTES = 8;
 export const RECORD_BYTES = 8;
 export const STONE_BYTES = 28;
+export const TOOL_BYTES = 116;
 
 const FRAME_KIND = 1;
 const FLAG_PAUSED = 1;
@@ -16,6 +17,7 @@ const FLAG_HELD = 2;
 const FLAG_WHOLE = 4;
 const FLAG_FORCES = 8;
 const FLAG_STONES = 16;
+const FLAG_TOOLS = 32;
 
 export interface FrameHeader {
   scene: number;
@@ -42,6 +44,21 @@ export interface FrameHeader {
   opening_m: number;
 }
 
+/** One of several tools, or one that a joint turns. */
+export interface ToolState {
+  /** pose of the tool as its joint has turned it: where its shape is */
+  turned: Pose;
+  /** pose of its hub, which a hand holds */
+  hub: Pose;
+  /** as in `FrameHeader` */
+  force_n: Vec3;
+  torque_nm: Vec3;
+  wished: Pose;
+  opening_m: number;
+  /** number of the client that holds it; 0: none */
+  held_by: number;
+}
+
 export interface Frame extends FrameHeader {
   /** first particle and count of each run, in sequence */
   runs: Uint32Array;
@@ -49,6 +66,8 @@ export interface Frame extends FrameHeader {
   records: Uint16Array;
   /** pose of each stone, seven numbers: x, y, z in m, rotation w, x, y, z */
   stones: Float32Array;
+  /** every tool, in the order of the scene's `tools`; empty without those */
+  tools: ToolState[];
 }
 
 function readVec3(view: DataView, at: number): Vec3 {
@@ -66,6 +85,24 @@ function readPose(view: DataView, at: number): Pose {
     ],
   };
 }
+
+function readTool(view: DataView, at: number): ToolState {
+  return {
+    turned: readPose(view, at),
+    hub: readPose(view, at + 28),
+    force_n: readVec3(view, at + 56),
+    torque_nm: readVec3(view, at + 68),
+    wished: readPose(view, at + 80),
+    opening_m: view.getFloat32(at + 108, true),
+    held_by: view.getUint32(at + 112, true),
+  };
+}
+
+const isPoseFinite = ({ position_m, rotation }: Pose): boolean => allFinite(...position_m, ...rotation);
+
+const isToolFinite = (tool: ToolState): boolean =>
+  [tool.turned, tool.hub, tool.wished].every(isPoseFinite) &&
+  allFinite(...tool.force_n, ...tool.torque_nm, tool.opening_m);
 
 const allFinite = (...numbers: number[]): boolean => numbers.every(Number.isFinite);
 
@@ -88,6 +125,12 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
   if (flags & FLAG_STONES) {
     if (buffer.byteLength >= stones_at + 4) stone_count = view.getUint32(stones_at, true);
     expected_bytes += 4 + stone_count * STONE_BYTES;
+  }
+  const tools_at = expected_bytes;
+  let tool_count = 0;
+  if (flags & FLAG_TOOLS) {
+    if (buffer.byteLength >= tools_at + 4) tool_count = view.getUint32(tools_at, true);
+    expected_bytes += 4 + tool_count * TOOL_BYTES;
   }
   if (buffer.byteLength !== expected_bytes)
     throw new ProtocolError(`a frame has ${buffer.byteLength} bytes instead of ${expected_bytes}`);
@@ -114,12 +157,14 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     runs: new Uint32Array(buffer, HEADER_BYTES, run_count * 2),
     records: new Uint16Array(buffer, HEADER_BYTES + run_count * RUN_BYTES, record_count * 4),
     stones: stone_count > 0 ? new Float32Array(buffer, stones_at + 4, stone_count * 7) : new Float32Array(),
+    tools: Array.from({ length: tool_count }, (_, i) => readTool(view, tools_at + 4 + i * TOOL_BYTES)),
   };
   if (
     !allFinite(frame.time_s, frame.longestTick_us, frame.opening_m, ...frame.force_n, ...frame.torque_nm) ||
-    !allFinite(...frame.tool.position_m, ...frame.tool.rotation) ||
-    !allFinite(...frame.wished.position_m, ...frame.wished.rotation) ||
-    !frame.stones.every(Number.isFinite)
+    !isPoseFinite(frame.tool) ||
+    !isPoseFinite(frame.wished) ||
+    !frame.stones.every(Number.isFinite) ||
+    !frame.tools.every(isToolFinite)
   )
     throw new ProtocolError('a frame holds a number that is not finite');
 

@@ -61,27 +61,47 @@ const Slider = v.object({
 });
 export type Slider = v.InferOutput<typeof Slider>;
 
+const TOOL_KEYS = {
+  shape: Shape,
+  size_mm: Vec3,
+  diameter_mm: v.number(),
+  thickness_mm: v.number(),
+  /** length of a cylinder; absent from older programs, which have none */
+  length_mm: v.optional(v.number(), 0),
+  /** gap between fully open jaws */
+  opening_mm: v.number(),
+  /** bend of each jaw; absent from older programs, whose jaws are flat */
+  jaw_bend_deg: v.optional(v.number(), 0),
+  /** independent of the current shape; null: no mesh has been loaded */
+  mesh: v.nullish(ToolMesh, null),
+};
+const MESH_RULE = 'there for a tool of this shape';
+const hasItsMesh = (shape: Shape, mesh: ToolMesh | null): boolean => shape !== 'mesh' || mesh !== null;
+
 const Tool = v.pipe(
-  v.object({
-    shape: Shape,
-    size_mm: Vec3,
-    diameter_mm: v.number(),
-    thickness_mm: v.number(),
-    /** length of a cylinder; absent from older programs, which have none */
-    length_mm: v.optional(v.number(), 0),
-    /** gap between fully open jaws */
-    opening_mm: v.number(),
-    /** bend of each jaw; absent from older programs, whose jaws are flat */
-    jaw_bend_deg: v.optional(v.number(), 0),
-    /** independent of the current shape; null: no mesh has been loaded */
-    mesh: v.nullish(ToolMesh, null),
-  }),
+  v.object(TOOL_KEYS),
   v.forward(
-    v.check(({ shape, mesh }) => shape !== 'mesh' || mesh !== null, 'there for a tool of this shape'),
+    v.check(({ shape, mesh }) => hasItsMesh(shape, mesh), MESH_RULE),
     ['mesh'],
   ),
 );
 export type Tool = v.InferOutput<typeof Tool>;
+
+/** One of several tools, or one that a joint turns. */
+const NamedTool = v.pipe(
+  v.object({
+    /** empty for a participant of a study (blinding) */
+    name: v.string(),
+    /** motion of its virtual hand */
+    motion: v.string(),
+    ...TOOL_KEYS,
+  }),
+  v.forward(
+    v.check(({ shape, mesh }) => hasItsMesh(shape, mesh), MESH_RULE),
+    ['mesh'],
+  ),
+);
+export type NamedTool = v.InferOutput<typeof NamedTool>;
 
 /** Whether two tools have equal numbers; meshes are too large to compare and are equal only if identical. */
 export function isSameTool({ mesh: a, ...one }: Tool, { mesh: b, ...other }: Tool): boolean {
@@ -125,6 +145,8 @@ const Scene = v.object({
   body: v.nullable(v.string()),
   gravity_m_s2: Vec3,
   tool: Tool,
+  /** every tool, the first included; absent: `tool` is the only one, and has no joint */
+  tools: v.optional(v.pipe(v.array(NamedTool), v.nonEmpty())),
   /** absent: no stones */
   stones: v.optional(v.array(Stone)),
   hand: v.object({ motion: v.string(), max_force_n: v.number(), max_torque_nm: v.number() }),

@@ -19,26 +19,24 @@ const MeshText = v.object({
 });
 export type MeshText = v.InferOutput<typeof MeshText>;
 
-// Every change of a scene sends its mesh again. An unchanged mesh keeps its object, so that it need not be compared
+// Every change of a scene sends its meshes again. An unchanged mesh keeps its object, so that it need not be compared
 // point by point.
-let latest: { text: MeshText; mesh: ToolMesh } | null = null;
+const MOST_KEPT = 16; // tools in a scene
+let kept: { text: MeshText; mesh: ToolMesh }[] = [];
 
-function isLatest({ name, points_base64, triangles_base64 }: MeshText): boolean {
-  return (
-    name === latest?.text.name &&
-    points_base64 === latest.text.points_base64 &&
-    triangles_base64 === latest.text.triangles_base64
-  );
-}
+const isSame = (a: MeshText, b: MeshText): boolean =>
+  a.name === b.name && a.points_base64 === b.points_base64 && a.triangles_base64 === b.triangles_base64;
 
 export const ToolMesh = v.pipe(
   MeshText,
   v.rawTransform<MeshText, ToolMesh>((context) => {
     const text = context.dataset.value;
-    if (latest && isLatest(text)) return latest.mesh;
+    const found = kept.find((one) => isSame(one.text, text));
+    if (found) return found.mesh;
     const triangles = readTriangles(context);
     if (!triangles) return context.NEVER;
-    latest = { text, mesh: { name: text.name, report: text.report, ...triangles } };
-    return latest.mesh;
+    const mesh = { name: text.name, report: text.report, ...triangles };
+    kept = [{ text, mesh }, ...kept.slice(0, MOST_KEPT - 1)];
+    return mesh;
   }),
 );

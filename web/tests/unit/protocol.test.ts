@@ -11,6 +11,7 @@ import {
   ProtocolError,
   type Scene,
   speedOf,
+  type ToolState,
 } from 'haptolith-protocol';
 import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -48,6 +49,27 @@ const STONES: Pose[] = [
   { position_m: [1, 2, 4], rotation: [1, 0, 0, 0] },
 ];
 
+const TOOLS: ToolState[] = [
+  {
+    turned: { position_m: [0.5, 0.25, -0.125], rotation: [0.5, -0.5, 0.5, -0.5] },
+    hub: { position_m: [0.5, 0.25, -0.125], rotation: [1, 0, 0, 0] },
+    force_n: [4, 5, -6],
+    torque_nm: [0.25, 0.5, -0.75],
+    wished: { position_m: [0, 0, 2], rotation: [0, 0, 1, 0] },
+    opening_m: 0.0625,
+    held_by: 3,
+  },
+  {
+    turned: STONES[1]!,
+    hub: STONES[1]!,
+    force_n: [0, 0, 0],
+    torque_nm: [0, 0, 0],
+    wished: STONES[0]!,
+    opening_m: 0,
+    held_by: 0,
+  },
+];
+
 describe('a frame', () => {
   it('is read as it was written', () => {
     const frame = decodeFrame(encodeFrame(HEADER, [[0, 1], [8, 2]], RECORDS)); // prettier-ignore
@@ -61,6 +83,13 @@ describe('a frame', () => {
     const of = (stones: Pose[]): number[] => [...decodeFrame(encodeFrame(HEADER, [[0, 3]], RECORDS, stones)).stones];
     expect(of([])).toEqual([]);
     expect(of(STONES)).toEqual([0.5, 0.25, -0.125, 0.5, -0.5, 0.5, -0.5, 1, 2, 4, 1, 0, 0, 0]);
+  });
+
+  it.each([[[]], [STONES]])('has every tool after the stones', (stones) => {
+    const frame = decodeFrame(encodeFrame(HEADER, [[0, 3]], RECORDS, stones, TOOLS));
+    expect(frame.tools).toEqual(TOOLS);
+    expect(frame.stones.length).toBe(7 * stones.length);
+    expect(decodeFrame(encodeFrame(HEADER, [[0, 3]], RECORDS, stones)).tools).toEqual([]);
   });
 
   it('is read from bytes written by hand', () => {
@@ -103,14 +132,22 @@ describe('a frame', () => {
     ['an enormous count of stones', (_, view) => view.setUint32(160, 0xffffffff, true)],
     ['stones of which it says nothing', (bytes) => (bytes[2]! &= ~16)],
     ['a stone at a place that is not finite', (_, view) => view.setFloat32(164, NaN, true)],
+    ['an enormous count of tools', (_, view) => view.setUint32(220, 0xffffffff, true)],
+    ['tools of which it says nothing', (bytes) => (bytes[2]! &= ~32)],
+    ['a tool at a place that is not finite', (_, view) => view.setFloat32(224, NaN, true)],
   ])('with %s is refused', (_name, damage) => {
-    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS, STONES);
+    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS, STONES, TOOLS);
     damage(new Uint8Array(buffer), new DataView(buffer));
     expect(() => decodeFrame(buffer)).toThrow(ProtocolError);
   });
 
-  it.each([[[]], [STONES]])('of any shorter length is refused', (stones) => {
-    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS, stones);
+  it.each<[Pose[], ToolState[]]>([
+    [[], []],
+    [STONES, []],
+    [STONES, TOOLS],
+  ])('of any shorter length is refused', (stones, tools) => {
+    // prettier-ignore
+    const buffer = encodeFrame(HEADER, [[0, 3]], RECORDS, stones, tools);
     for (let length = 0; length < buffer.byteLength; ++length)
       expect(() => decodeFrame(buffer.slice(0, length))).toThrow(ProtocolError);
   });
@@ -141,6 +178,15 @@ describe('the frame that the program is tested against', () => {
     const { stones, ...rest } = sharedFrame('frame-v1-stones.bin');
     expect({ ...rest, stones: new Float32Array() }).toEqual(frame);
     expect([...stones]).toEqual([...single([0.01, -0.02, 0.03]), 0.5, -0.5, 0.5, -0.5, ...single([0.04, 0, 0.05, 1, 0, 0, 0])]); // prettier-ignore
+  });
+
+  it('has tools after the stones', () => {
+    const { tools, ...rest } = sharedFrame('frame-v1-tools.bin');
+    expect({ ...rest, tools: [] }).toEqual(sharedFrame('frame-v1-stones.bin'));
+    expect(tools[0]).toMatchObject({ hub: frame.tool, turned: frame.tool, opening_m: 0.0625, held_by: 0 });
+    expect(tools[1]).toMatchObject({ force_n: [4, 5, -6], opening_m: 0, held_by: 3 });
+    expect(tools[1]!.turned.rotation).toEqual([0.5, -0.5, 0.5, -0.5]);
+    expect(tools[1]!.wished.position_m).toEqual(single([0.04, 0, 0.04]));
   });
 
   it('shows every grain where it is', () => {
