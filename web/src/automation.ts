@@ -10,8 +10,8 @@ export interface Automation {
   readonly ready: boolean;
   readonly scene: Scene | null;
   readonly status: Status | null;
-  /** header of the last frame */
-  readonly frame: FrameHeader | null;
+  /** header and tools of the last frame */
+  readonly frame: (FrameHeader & Pick<Frame, 'tools'>) | null;
   /** time of the displayed frame, which a study may delay */
   readonly seen_s: number | null;
   readonly client: number | null;

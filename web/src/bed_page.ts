@@ -30,6 +30,7 @@ import { pictureInWords, Readouts } from './panels/readouts';
 import { SiteCard } from './panels/site_card';
 import { StatusStrip } from './panels/status_strip';
 import { TiltControl } from './panels/tilt_control';
+import { frameOf, nameOf, sceneOf } from './own_tool';
 import {
   DRAWINGS,
   rememberColour,
@@ -63,13 +64,19 @@ export interface BedPage {
 export function openBedPage(settings: Settings, program: Program, buttons: HTMLElement[] = []): BedPage {
   const now = {
     hello: null as Hello | null,
+    /** with the tool of this page as its `tool`, as `frame` has it */
     scene: null as Scene | null,
     status: null as Status | null,
     frame: null as Frame | null,
+    /** number of the tool of this page */
+    own: 0,
     colour: settings.colour,
     drawing: settings.drawing,
     theme: settings.theme,
   };
+
+  /** as the program has sent them */
+  const given = { scene: null as Scene | null, frame: null as Frame | null };
 
   let described_ms = -Infinity;
   let plotted_ms = -Infinity;
@@ -87,7 +94,9 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
   });
 
   const tell = (command: Command): void => {
-    connection.request(command).catch((error: Error) => notices.toast(error.message));
+    const name = command.do === 'play' && given.scene ? nameOf(given.scene, now.own) : undefined;
+    const told = name === undefined ? command : ({ ...command, tool: name } as Command);
+    connection.request(told).catch((error: Error) => notices.toast(error.message));
   };
   /** Whether changes while a person holds the device have been confirmed: asked once per holding. */
   let agreed = false;
@@ -123,7 +132,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     () => now.frame,
     () => stage.orbit.right().toArray(),
   );
-  const pointer = new PointerHand(stage, hand, stage.renderer.domElement, () => tilt.taken());
+  const pointer = new PointerHand(stage, hand, stage.renderer.domElement, () => tilt.taken(), chooseTool);
   const keys = new KeyHand(hand, stage.orbit, box_scale);
   const gamepad = new GamepadHand(hand, stage.orbit, box_scale, force_n);
   const bringer = new ToolBringer(
@@ -159,6 +168,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
       setDigAnywhere: (on) => (pointer.dig_anywhere = on),
       setSound,
       bringTool,
+      chooseTool,
       chooseToolFile: () => tool_files.choose(),
       recordingAddress: program.recordingAddress,
     },
@@ -316,16 +326,36 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
 
   function onScene(scene: Scene): void {
     const { mesh } = scene.tool;
-    if (now.scene && mesh && mesh !== now.scene.tool.mesh && mesh.report.length > 0)
+    if (given.scene && mesh && mesh !== given.scene.tool.mesh && mesh.report.length > 0)
       notices.toast(`${mesh.name}: ${mesh.report.join(' ')}`);
+    given.scene = scene;
+    if (now.own >= (scene.tools?.length ?? 1)) now.own = 0; // another program
+    showScene(sceneOf(scene, now.own));
+  }
+
+  /** Makes one of several tools the tool of this page. */
+  function chooseTool(tool: number): void {
+    if (tool === now.own || !given.scene || !given.frame) return;
+    now.own = tool;
+    showScene(sceneOf(given.scene, tool));
+    onFrame(given.frame);
+    showHolders();
+  }
+
+  function showHolders(): void {
+    controls.setHolders(given.frame?.tools.map(({ held_by }) => held_by) ?? [], now.hello?.client);
+  }
+
+  function showScene(scene: Scene): void {
     now.scene = scene;
-    stage.setScene(scene);
+    stage.setScene(scene, now.own);
+    hand.choose(nameOf(scene, now.own));
     if (!now.hello?.read_only) hand.setScene(scene); // the hand needs a scene to hold the tool
     vr.setScene(scene);
     strip.setScene(scene);
     tilt_control.element.hidden =
       scene.tool.shape === 'sphere' || settings.for_pictures || now.hello?.read_only === true;
-    controls.setScene(scene);
+    controls.setScene(scene, now.own);
     layout.setTitle(scene.title);
     legend.show(now.colour, stage.bed.depthRange_m);
   }
@@ -339,7 +369,9 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     }
     agreed &&= status.person_feels;
     now.status = status;
-    strip.setStatus(status);
+    const own = given.frame?.tools[now.own];
+    const held_by = own ? own.held_by || null : status.held_by;
+    strip.setStatus({ ...status, held_by });
     stage.watchLoop(status);
     readouts.setRobot(status.robot ?? null);
     site_card.setRobot(status.robot ?? null);
@@ -348,7 +380,8 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     describe();
     notices.setBusy(status.busy);
     // A pause, or another hand, takes the tool from this hand.
-    if (status.paused || (status.held_by !== null && status.held_by !== now.hello?.client)) hand.giveUp();
+    if (status.paused || (held_by !== null && held_by !== now.hello?.client)) hand.giveUp();
+    showHolders();
   }
 
   /** Describes the picture. At most once a second, because it is read aloud. */
@@ -359,7 +392,9 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     stage.describe(pictureInWords(scene, frame));
   }
 
-  function onFrame(frame: Frame): void {
+  function onFrame(given_frame: Frame): void {
+    given.frame = given_frame;
+    const frame = frameOf(given_frame, now.own);
     now.frame = frame;
     hand.setFrame(frame);
     stage.setFrame(frame, frame.held);

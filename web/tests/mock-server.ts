@@ -6,6 +6,7 @@ import {
   type Hello,
   isFeltChange,
   type MeshText,
+  type NamedTool,
   type Pose,
   type Robot,
   type Scene,
@@ -13,6 +14,7 @@ import {
   type Status,
   Stone,
   ToolMesh,
+  type ToolState,
   type Vec3,
 } from 'haptolith-protocol';
 import { createReadStream, existsSync } from 'node:fs';
@@ -76,6 +78,8 @@ export interface MockOptions {
   token?: string;
   /** a tool from a mesh file */
   mesh?: MeshText;
+  /** two tools, `left` and `right` */
+  two_tools?: boolean;
   /** each as in a message, and its pose */
   stones?: { text: InferInput<typeof Stone>; pose: Pose }[];
   /** absent: no study is running */
@@ -99,6 +103,7 @@ export class MockServer {
   private tool: Pose = structuredClone(START_POSE);
   private wished: Pose = structuredClone(START_POSE);
   private holder: number | null = null;
+  private readonly right = { pose: { ...START_POSE, position_m: [0.05, 0.03, 0.085] } as Pose, holder: 0 };
   private next_client = 1;
   private uploads = 0;
   private time_s = 0;
@@ -173,6 +178,12 @@ export class MockServer {
   }
 
   private startScene(): Scene {
+    const scene = this.startSceneOfOne();
+    const named = (name: string): NamedTool => ({ name, motion: 'still', ...scene.tool });
+    return this.options.two_tools ? { ...scene, tools: [named('left'), named('right')] } : scene;
+  }
+
+  private startSceneOfOne(): Scene {
     const width_m = this.options.width_m ?? 0.126;
     const far = Math.max(0.2, width_m);
     return {
@@ -288,6 +299,7 @@ export class MockServer {
     socket.on('close', () => {
       this.clients.splice(this.clients.indexOf(client), 1);
       if (this.holder === client.number) this.holder = null;
+      if (this.right.holder === client.number) this.right.holder = 0;
       this.options.study?.left(client.number);
     });
     socket.on('message', (data) => this.receive(client, String(data)));
@@ -315,6 +327,16 @@ export class MockServer {
     if (this.options.read_only && command.do !== 'colour') return 'view only: the program was started with --read-only';
     if (isFeltChange(command) && this.options.person_feels && !command.confirmed)
       return 'not confirmed: a user holds the haptic device (a handle); confirm the change';
+    if ((command.do === 'hold' || command.do === 'release') && command.tool === 'right') {
+      const { holder } = this.right;
+      if (command.do === 'release') this.right.holder = holder === client.number ? 0 : holder;
+      else if (holder !== 0 && holder !== client.number) return 'another client controls the tool';
+      else {
+        const [x, y, z, ...rotation] = command.pose;
+        Object.assign(this.right, { pose: { position_m: [x, y, z], rotation }, holder: client.number });
+      }
+      return null;
+    }
     switch (command.do) {
       case 'hold': {
         if (this.paused) return 'the program is paused';
@@ -507,6 +529,11 @@ export class MockServer {
     };
   }
 
+  private toolAt(pose: Pose, held_by: number): ToolState {
+    const [force_n, torque_nm] = [this.bed.force_on_hand_n, this.bed.torque_on_hand_nm];
+    return { turned: pose, hub: pose, force_n, torque_nm, wished: pose, opening_m: 0, held_by };
+  }
+
   private sendFrames(): void {
     ++this.frame_number;
     if (this.clients.length === 0) return;
@@ -534,6 +561,9 @@ export class MockServer {
       [[0, this.bed.count]],
       all,
       this.options.stones?.map(({ pose }) => pose),
+      this.options.two_tools
+        ? [this.toolAt(this.tool, this.holder ?? 0), this.toolAt(this.right.pose, this.right.holder)]
+        : [],
     );
     for (const { socket } of this.clients) if (socket.bufferedAmount < 1_000_000) socket.send(buffer);
   }

@@ -1,7 +1,7 @@
 // The hand of this page. The holders of the tool (mouse, keys, gamepad, controller) set its target pose. This class
 // sends it to the program, at most 60 times per second, and releases the tool after the last holder.
 
-import type { Frame, Pose, Quat, Scene, Vec3 } from 'haptolith-protocol';
+import type { Command, Frame, Pose, Quat, Scene, Vec3 } from 'haptolith-protocol';
 import type { Connection } from '../connection';
 import { angleBetween, clampTo, samePose, turned, turnedTowards } from './pose_math';
 
@@ -15,6 +15,8 @@ const SLACK_M = 0.02;
 export class Hand {
   /** orientation of the tool at this hand's last release; null: never held */
   left: Quat | null = null;
+  /** name of the tool in commands; undefined: the first */
+  private tool: string | undefined = undefined;
   private readonly holders = new Set<Holder>();
   private free: Pose = { position_m: [0, 0, 0.1], rotation: [1, 0, 0, 0] };
   private sent: Pose | null = null;
@@ -34,6 +36,14 @@ export class Hand {
 
   setFrame(frame: Frame): void {
     this.frame = frame;
+  }
+
+  /** Selects the tool of this hand by its name, after a release of the tool before; undefined: the only one. */
+  choose(tool: string | undefined): void {
+    if (tool === this.tool) return;
+    this.giveUp();
+    this.left = null;
+    this.tool = tool;
   }
 
   get held(): boolean {
@@ -68,7 +78,7 @@ export class Hand {
 
   release(holder: Holder): void {
     if (!this.holders.delete(holder) || this.held) return;
-    this.connection.send({ do: 'release' });
+    this.connection.send(this.ofTool({ do: 'release' }));
     this.forget();
     this.onChange();
   }
@@ -85,7 +95,7 @@ export class Hand {
   giveUp(): void {
     if (!this.held) return;
     this.drop();
-    this.connection.send({ do: 'release' });
+    this.connection.send(this.ofTool({ do: 'release' }));
   }
 
   move(by_m: Vec3): void {
@@ -117,9 +127,17 @@ export class Hand {
     if (!this.held || now_ms - this.sent_ms < SEND_INTERVAL_MS - 1) return;
     const wished = this.wished;
     if (this.sent && samePose(this.sent, wished)) return;
-    this.connection.send({ do: 'hold', pose: [...wished.position_m, ...wished.rotation] });
+    this.connection.send(this.holdAt(wished));
     this.sent = wished;
     this.sent_ms = now_ms;
+  }
+
+  private holdAt({ position_m, rotation }: Pose): Command {
+    return this.ofTool({ do: 'hold', pose: [...position_m, ...rotation] });
+  }
+
+  private ofTool(command: Extract<Command, { do: 'hold' | 'release' }>): Command {
+    return this.tool === undefined ? command : { ...command, tool: this.tool };
   }
 
   private forget(): void {
@@ -131,7 +149,7 @@ export class Hand {
   private begin(): void {
     const wished = this.wished;
     this.sent = wished;
-    this.connection.request({ do: 'hold', pose: [...wished.position_m, ...wished.rotation] }).catch((error: Error) => {
+    this.connection.request(this.holdAt(wished)).catch((error: Error) => {
       this.drop();
       this.onRefused(error);
     });

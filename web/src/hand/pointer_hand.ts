@@ -35,6 +35,8 @@ export class PointerHand {
     private readonly hand: Hand,
     private readonly canvas: HTMLElement,
     private readonly onTaken = (): void => {},
+    /** chooses one of several tools for the hand, by its number; null: the hand has one tool */
+    private readonly choose: ((tool: number) => void) | null = null,
   ) {
     canvas.addEventListener('pointerdown', (event) => this.down(event));
     canvas.addEventListener('pointermove', (event) => this.moved(event));
@@ -50,7 +52,9 @@ export class PointerHand {
     this.fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (this.fingers.size > 1) return this.stopDragging();
     const may_grab = this.may_dig && (event.pointerType !== 'mouse' || event.button === 0);
-    if (may_grab && (this.dig_anywhere || this.isNearTool(event, event.pointerType === 'touch' ? 1.4 : 1))) {
+    const under = this.dig_anywhere ? null : this.toolUnder(event, event.pointerType === 'touch' ? 1.4 : 1);
+    if (may_grab && (this.dig_anywhere || under !== null)) {
+      if (under !== null) this.choose?.(under);
       if (this.hand.grab('mouse')) {
         this.dragging = event.pointerId;
         this.onTaken();
@@ -140,22 +144,25 @@ export class PointerHand {
     return this.caster.ray.intersectPlane(plane, new Vector3());
   }
 
-  private isNearTool(event: PointerEvent, generosity: number): boolean {
-    const frame = this.stage.currentFrame;
-    const scene = this.stage.currentScene;
-    if (!frame || !scene) return false;
-    const rect = this.canvas.getBoundingClientRect();
-    const orbit = this.stage.orbit;
-    const at = new Vector3(...frame.tool.position_m).project(orbit.camera);
-    const x = rect.left + ((at.x + 1) / 2) * rect.width;
-    const y = rect.top + ((1 - at.y) / 2) * rect.height;
-    const size_m = shapeOf(scene.tool).longest_m(scene.tool);
-    const reach_px = Math.max(GRAB_RADIUS_PX, (0.8 * size_m) / orbit.metresPerPixel(rect.height)) * generosity;
-    return Math.hypot(event.clientX - x, event.clientY - y) < reach_px;
+  /** Returns the number of the tool under the pointer that this hand has or may choose; null: there is none. */
+  private toolUnder(event: PointerEvent, generosity: number): number | null {
+    const { height } = this.canvas.getBoundingClientRect();
+    const pixel_m = this.stage.orbit.metresPerPixel(height);
+    let nearest: number | null = null;
+    let nearest_px = Infinity;
+    this.stage.tools.forEach(({ tool, pose, held_by }, i) => {
+      if (i !== this.stage.own && (this.choose === null || held_by !== 0)) return;
+      const { x, y } = this.stage.onScreen(pose.position_m);
+      const reach_px = Math.max(GRAB_RADIUS_PX, (0.8 * shapeOf(tool).longest_m(tool)) / pixel_m) * generosity;
+      const away_px = Math.hypot(event.clientX - x, event.clientY - y);
+      if (away_px < Math.min(reach_px, nearest_px)) [nearest, nearest_px] = [i, away_px];
+    });
+    return nearest;
   }
 
   private showCursor(event: PointerEvent): void {
-    const near = this.may_dig && (this.dig_anywhere || (event.pointerType === 'mouse' && this.isNearTool(event, 1)));
+    const near =
+      this.may_dig && (this.dig_anywhere || (event.pointerType === 'mouse' && this.toolUnder(event, 1) !== null));
     this.canvas.style.cursor = this.dragging !== null ? 'grabbing' : near ? 'grab' : 'default';
   }
 }

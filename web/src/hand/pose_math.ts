@@ -33,6 +33,16 @@ export function turnedTowards(from: Quat, to: Quat, max_rad: number): Quat {
   return fromThree(toThree(from).normalize().rotateTowards(toThree(to).normalize(), max_rad));
 }
 
+/** Returns the pose of a tool whose hub moves from one pose to another. */
+export function movedWith(tool: Pose, hub: Pose, to: Pose): Pose {
+  const turn = toThree(to.rotation).multiply(toThree(hub.rotation).conjugate());
+  const arm = new Vector3(...tool.position_m).sub(new Vector3(...hub.position_m)).applyQuaternion(turn);
+  return {
+    position_m: arm.add(new Vector3(...to.position_m)).toArray(),
+    rotation: fromThree(turn.multiply(toThree(tool.rotation))),
+  };
+}
+
 export function samePose(a: Pose, b: Pose): boolean {
   return (
     a.position_m.every((value, i) => value === b.position_m[i]) &&

@@ -33,6 +33,8 @@ export interface Actions {
   /** false: this browser cannot play sound */
   setSound(on: boolean): boolean;
   bringTool(): void;
+  /** selects one of several tools by its number */
+  chooseTool(tool: number): void;
   chooseToolFile(): void;
   /** null: recordings are not supported */
   recordingAddress: ((file: string) => string) | null;
@@ -46,6 +48,8 @@ export class Controls {
   private readonly soil_facts = h('p', { class: 'facts numbers' });
   private readonly sliders = h('div', { class: 'sliders' });
   private readonly body = h('select', { id: 'body' });
+  private readonly tools = h('div', { class: 'segmented tools', role: 'group', 'aria-label': 'Tool to hold' });
+  private readonly tool_list = h('div', { class: 'field', hidden: true }, h('span', {}, 'Hold'), this.tools);
   private readonly shapes = h('div', { class: 'segmented', role: 'group', 'aria-label': 'Tool' });
   private readonly sizes = h('div', { class: 'sizes' });
   private readonly tool_file: HTMLElement;
@@ -70,6 +74,7 @@ export class Controls {
   private hello: Hello | null = null;
   private scene: Scene | null = null;
   private status: Status | null = null;
+  private own = 0;
 
   /** `neutral`: a pause is not highlighted, for pictures, which are taken while time is paused. */
   constructor(
@@ -145,7 +150,7 @@ export class Controls {
         this.sliders,
         field('Body', this.body, EXPLAIN.body),
       ),
-      group('Tool', this.shapes, this.sizes, this.tool_file),
+      group('Tool', this.tool_list, this.shapes, this.sizes, this.tool_file),
       group(
         'Hand',
         field('Motion', this.motion, EXPLAIN.motion),
@@ -213,7 +218,6 @@ export class Controls {
       ...hello.bodies.map((body) => h('option', { value: body.name }, `${body.name}, ${body.gravity_m_s2} m/s²`)),
     );
     this.motion.replaceChildren(...hello.motions.map((name) => h('option', { value: name }, name)));
-    this.tool_file.hidden = !hello.takes_uploads;
     this.shapes.replaceChildren(
       ...hello.shapes.map((shape) =>
         h(
@@ -230,8 +234,11 @@ export class Controls {
     );
   }
 
-  setScene(scene: Scene): void {
+  /** Shows a scene whose `tool` has this number in `tools`. */
+  setScene(scene: Scene, own = 0): void {
     this.scene = scene;
+    this.own = own;
+    this.showTools(scene);
     const { soil, tool } = scene;
     select(this.soil, soil.preset ? `preset:${soil.preset}` : soil.name ? `soil:${soil.name}` : '', 'custom soil');
     const friction = soil.friction ?? '';
@@ -285,7 +292,7 @@ export class Controls {
   /** Shows the actual values again after a requested change was not made. */
   showAgain(): void {
     this.sizes_of = null;
-    if (this.scene) this.setScene(this.scene);
+    if (this.scene) this.setScene(this.scene, this.own);
   }
 
   togglePause(): void {
@@ -317,6 +324,7 @@ export class Controls {
   next(what: 'soil' | 'body' | 'friction' | 'shape' | 'motion', by: 1 | -1 = 1): void {
     if (!this.hello || !this.scene) return;
     if (what === 'shape') {
+      if (this.own > 0) return; // only the first tool can change
       const { tool } = this.scene;
       const shapes = this.hello.shapes.filter((shape) => canBecome(tool, shape));
       const shape = following(shapes, tool.shape, by);
@@ -326,6 +334,32 @@ export class Controls {
     const values = [...list.options].map((option) => option.value);
     list.value = following(values, list.value, by);
     list.dispatchEvent(new Event('change'));
+  }
+
+  /** Marks the tools that other clients hold; a client's number for each tool, 0 where it is free. */
+  setHolders(held_by: number[], client: number | undefined): void {
+    [...this.tools.children].forEach((button, i) => {
+      const holder = held_by[i] ?? 0;
+      const taken = holder !== 0 && holder !== client;
+      button.classList.toggle('taken', taken);
+      setText(button as HTMLElement, `${this.scene?.tools?.[i]?.name ?? ''}${taken ? ' (held)' : ''}`);
+      (button as HTMLElement).title = taken ? `client ${holder} holds it` : '';
+    });
+  }
+
+  /** Shows the names of several tools. Only the first can take another shape. */
+  private showTools({ tools = [] }: Scene): void {
+    const names = tools.length > 1 ? tools.map((tool) => tool.name) : [];
+    if (JSON.stringify(names) !== this.tools.dataset.names) {
+      this.tools.dataset.names = JSON.stringify(names);
+      this.tools.replaceChildren(
+        ...names.map((name, i) => h('button', { type: 'button', onclick: () => this.act.chooseTool(i) }, name)),
+      );
+    }
+    this.tool_list.hidden = names.length === 0;
+    [...this.tools.children].forEach((button, i) => button.setAttribute('aria-pressed', String(i === this.own)));
+    this.shapes.hidden = this.sizes.hidden = this.own > 0;
+    this.tool_file.hidden = this.own > 0 || this.hello?.takes_uploads !== true;
   }
 
   private change(change: SceneChange): void {

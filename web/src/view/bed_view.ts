@@ -1,7 +1,16 @@
 // The bed: all particles in one draw call. The records of a frame go to the graphics card unchanged, eight bytes per
 // particle, and the shader computes positions. Only changed runs are sent again. The radii are sent once.
 
-import { COLOUR_MODES, type ColourMode, dequantise, type Frame, radiiOf, type Scene } from 'haptolith-protocol';
+import {
+  COLOUR_MODES,
+  type ColourMode,
+  dequantise,
+  type Frame,
+  radiiOf,
+  type Scene,
+  type Tool,
+  type Vec3,
+} from 'haptolith-protocol';
 import {
   Color,
   CustomBlending,
@@ -48,7 +57,7 @@ export class BedView {
   private radii_m: Float32Array = new Float32Array();
   private field: HeightField | SoilSurface | null = null;
   private drawing: Drawing = 'balls';
-  private carrier: (Carrier & { thickness_m: number }) | null = null;
+  private carriers: (Carrier & { thickness_m: number })[] = [];
   private field_stale = false;
   private field_built_ms = 0;
 
@@ -137,17 +146,17 @@ export class BedView {
     this.material.needsUpdate = true;
   }
 
-  /** Applies a frame's records; false when they belong to other particles than the scene's. */
-  setFrame(frame: Frame): boolean {
+  /** Applies a frame's records; false when they belong to other particles than the scene's. `own` is the
+   * number of `scene.tool`. */
+  setFrame(frame: Frame, own = 0): boolean {
     const scene = this.scene;
     const attribute = this.records;
     if (!scene || !attribute || frame.scene !== scene.scene || frame.particles !== attribute.count) return false;
-    const shape = shapeOf(scene.tool);
-    this.carrier = {
-      at_m: frame.tool.position_m,
-      radius_m: shape.reach_m(scene.tool),
-      thickness_m: shape.solid === 'none' ? 0 : 2 * Math.min(...shape.half_m(scene.tool)),
-    };
+    this.carriers = [carrierOf(scene.tool, frame.tool.position_m)];
+    (scene.tools ?? []).forEach((tool, i) => {
+      const state = frame.tools[i];
+      if (state && i !== own) this.carriers.push(carrierOf(tool, state.turned.position_m));
+    });
     const all = attribute.array as Uint16Array;
     let from = 0;
     for (let i = 0; i < frame.runs.length; i += 2) {
@@ -181,7 +190,7 @@ export class BedView {
     if (!this.field_stale || !this.field || !this.records || this.drawn === 0) return false;
     const interval_ms = this.records.count <= MOST_WITH_PIXEL_SUN ? FIELD_INTERVAL_MS.small : FIELD_INTERVAL_MS.large;
     if (now_ms - this.field_built_ms < interval_ms) return true;
-    this.field.build(this.records.array as Uint16Array, this.records.count, this.carrier, stones.trianglesInScene());
+    this.field.build(this.records.array as Uint16Array, this.records.count, this.carriers, stones.trianglesInScene());
     if (this.field instanceof SoilSurface) {
       this.light.u_ground_m.value = this.field.level_m;
       this.soil.takeSurface(this.records.array as Uint16Array);
@@ -244,4 +253,10 @@ export class BedView {
 
 function boundsOf({ low_x_m, low_y_m, width_m, length_m }: SoilSurface): Omit<Field, 'texture'> {
   return { low_x_m, low_y_m, width_m, length_m };
+}
+
+function carrierOf(tool: Tool, at_m: Vec3): Carrier & { thickness_m: number } {
+  const shape = shapeOf(tool);
+  const thickness_m = shape.solid === 'none' ? 0 : 2 * Math.min(...shape.half_m(tool));
+  return { at_m, radius_m: shape.reach_m(tool), thickness_m };
 }

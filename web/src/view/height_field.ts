@@ -17,7 +17,7 @@ const FLYING_RADII = 3;
 /** Maximum number of particles in the air that cast a shadow. */
 export const MOST_FLYING = 16;
 
-/** Sphere around the tool, which can carry particles although it is not soil. */
+/** Sphere around a tool, which can carry particles although it is not soil. */
 export interface Carrier {
   at_m: Vec3;
   radius_m: number;
@@ -73,11 +73,11 @@ export class HeightField {
   build(
     records: Uint16Array,
     particles: number,
-    carrier: Carrier | null = null,
+    carriers: readonly Carrier[] = [],
     stones_m: readonly Float32Array[] = [],
   ): void {
     this.order.sort(records, particles);
-    this.raise(records, particles, carrier);
+    this.raise(records, particles, carriers);
     for (const triangles_m of stones_m) this.raiseStone(triangles_m);
     this.smooth();
     const { heights, smoothed, halves } = this;
@@ -113,7 +113,7 @@ export class HeightField {
   }
 
   /** Raises the heights to the round top of every particle that does not fly. */
-  private raise(records: Uint16Array, particles: number, carrier: Carrier | null): void {
+  private raise(records: Uint16Array, particles: number, carriers: readonly Carrier[]): void {
     const { heights, columns, rows } = this;
     const { low_m, high_m } = this.scene.quantised;
     const dx = this.cell_width_m;
@@ -129,7 +129,7 @@ export class HeightField {
       const z = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
       if (
         z - radius_m > FLYING_RADII * radius_m &&
-        this.flies(x + this.low_x_m, y + this.low_y_m, z, radius_m, carrier)
+        this.flies(x + this.low_x_m, y + this.low_y_m, z, radius_m, carriers)
       ) {
         if (this.flying_count < MOST_FLYING)
           this.flying_m[this.flying_count++]!.set(x + this.low_x_m, y + this.low_y_m, z, radius_m);
@@ -166,9 +166,9 @@ export class HeightField {
     raiseTriangles(triangles_m, this.heights, this);
   }
 
-  /** Whether neither soil, of the lower particles added so far, nor the carrier is close below a particle. */
-  private flies(x_m: number, y_m: number, z_m: number, radius_m: number, carrier: Carrier | null): boolean {
-    if (carrier) {
+  /** Whether neither soil, of the lower particles added so far, nor a carrier is close below a particle. */
+  private flies(x_m: number, y_m: number, z_m: number, radius_m: number, carriers: readonly Carrier[]): boolean {
+    for (const carrier of carriers) {
       const [x, y, z] = carrier.at_m;
       if (Math.hypot(x_m - x, y_m - y, z_m - z) < carrier.radius_m + FLYING_RADII * radius_m) return false;
     }

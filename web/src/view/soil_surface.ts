@@ -120,18 +120,18 @@ export class SoilSurface implements Grid {
     for (const texture of [this.texture, this.standing]) texture.magFilter = texture.minFilter = LinearFilter;
   }
 
-  /** Builds the surface, as HeightField.build; `thickness_m` is the tool's, and not a gap between soil above and
+  /** Builds the surface, as HeightField.build; `thickness_m` is that of a tool, and not a gap between soil above and
    * below it. */
   build(
     records: Uint16Array,
     particles: number,
-    carrier: (Carrier & { thickness_m: number }) | null = null,
+    carriers: readonly (Carrier & { thickness_m: number })[] = [],
     stones_m: readonly Float32Array[] = [],
   ): void {
     const first = !this.from_known;
     if (first) this.rememberPlaces(records, particles);
     this.order.sort(records, particles);
-    this.lay(records, particles, carrier);
+    this.lay(records, particles, carriers);
     this.extend();
     const radius_m = this.scene.radius_m;
     fillGaps(this.bed, this.scratch, this, 0.9 * radius_m);
@@ -198,7 +198,7 @@ export class SoilSurface implements Grid {
   }
 
   /** Raises the bed to the round tops of the particles; lists those without support. */
-  private lay(records: Uint16Array, particles: number, carrier: (Carrier & { thickness_m: number }) | null): void {
+  private lay(records: Uint16Array, particles: number, carriers: readonly (Carrier & { thickness_m: number })[]): void {
     const { bed, drift_x, drift_y, columns, rows, low_x_m, low_y_m, cell_width_m: dx, cell_length_m: dy } = this;
     const { low_m, high_m } = this.scene.quantised;
     bed.fill(0);
@@ -211,7 +211,7 @@ export class SoilSurface implements Grid {
       const x_m = dequantise(records[4 * i]!, low_m[0], high_m[0]);
       const y_m = dequantise(records[4 * i + 1]!, low_m[1], high_m[1]);
       const z_m = dequantise(records[4 * i + 2]!, low_m[2], high_m[2]);
-      const lies = this.liesOnBed(x_m, y_m, z_m, radius_m, carrier);
+      const lies = this.liesOnBed(x_m, y_m, z_m, radius_m, carriers);
       if (lies < 0.5) this.aloft.add(i, x_m, y_m, z_m, radius_m);
       if (lies <= 0) continue;
       const x = x_m - low_x_m;
@@ -247,7 +247,7 @@ export class SoilSurface implements Grid {
     y_m: number,
     z_m: number,
     radius_m: number,
-    carrier: (Carrier & { thickness_m: number }) | null,
+    carriers: readonly (Carrier & { thickness_m: number })[],
   ): number {
     let below_m = 0;
     for (let i = 0; i < 5; ++i) {
@@ -257,7 +257,7 @@ export class SoilSurface implements Grid {
       below_m = Math.max(below_m, this.bed[row * this.columns + column]!);
     }
     let gap_m = z_m - radius_m - below_m;
-    if (carrier) {
+    for (const carrier of carriers) {
       const [x, y, z] = carrier.at_m;
       if (Math.hypot(x_m - x, y_m - y, z_m - z) < carrier.radius_m + radius_m) gap_m -= carrier.thickness_m;
     }

@@ -1,8 +1,9 @@
 // The picture: all its objects, and the time of drawing. A frame is drawn only when something changed, so a paused bed
 // costs nothing.
 
-import type { ColourMode, Frame, Robot, Scene, Vec3 } from 'haptolith-protocol';
+import type { ColourMode, Frame, Pose, Robot, Scene, Tool, Vec3 } from 'haptolith-protocol';
 import { AmbientLight, Color, DirectionalLight, Group, HemisphereLight, Scene as World, Vector3 } from 'three';
+import { movedWith } from '../hand/pose_math';
 import { h } from '../panels/html';
 import type { Drawing, ViewName } from '../settings';
 import { ArrowsView } from './arrows';
@@ -52,11 +53,14 @@ export class Stage {
   readonly ground: GroundView;
   readonly sky: SkyView;
   readonly box = new BoxView();
+  /** the tool of this page */
   readonly tool = new ToolView();
   readonly robot = new RobotView();
   readonly site = new SiteView();
   readonly stones: StoneView;
   readonly arrows = new ArrowsView();
+  /** number of the tool of this page */
+  own = 0;
   frames_drawn = 0;
   /** false: nothing is drawn for now */
   shown = true;
@@ -78,6 +82,8 @@ export class Stage {
   private readonly pace: Pace;
   private scene: Scene | null = null;
   private frame: Frame | null = null;
+  /** the other tools, in their order */
+  private readonly others: ToolView[] = [];
   private dirty = true;
   /** a frame with soil has been drawn */
   private begun = false;
@@ -132,8 +138,10 @@ export class Stage {
     this.dirty = true;
   }
 
-  setScene(given: Scene): void {
+  /** Applies a scene whose `tool` is the tool of this page, and has this number in `tools`. */
+  setScene(given: Scene, own = 0): void {
     this.given = given;
+    this.own = own;
     const scene = this.neutral ? { ...given, body: 'Moon' } : given;
     this.scene = scene;
     this.bed.setScene(scene);
@@ -141,7 +149,8 @@ export class Stage {
     this.ground.setScene(scene);
     this.box.setScene(scene, this.bed.reach_m);
     this.tool.setTool(scene.tool);
-    this.robot.setTool(scene.tool);
+    this.setOthers(scene);
+    this.robot.setTool(scene.tools?.[0] ?? scene.tool);
     this.site.setScene(scene, this.neutral);
     this.stones.setScene(scene);
     this.arrows.setScene(scene);
@@ -162,16 +171,23 @@ export class Stage {
   setNeutral(neutral: boolean): void {
     if (neutral === this.neutral) return;
     this.neutral = neutral;
-    if (this.given) this.setScene(this.given);
+    if (this.given) this.setScene(this.given, this.own);
   }
 
   setFrame(frame: Frame, held: boolean): void {
-    if (!this.scene || !this.bed.setFrame(frame)) return;
+    if (!this.scene || !this.bed.setFrame(frame, this.own)) return;
     this.frame = frame;
     if (frame.whole) this.box.setScene(this.scene, this.bed.reach_m);
-    this.tool.setPoses(frame.tool, frame.wished, held, frame.opening_m);
+    const turned = frame.tools[this.own]?.turned ?? frame.tool;
+    this.tool.setPoses(turned, movedWith(turned, frame.tool, frame.wished), held, frame.opening_m);
+    const other_states = frame.tools.filter((_, i) => i !== this.own);
+    this.others.forEach((view, i) => {
+      const state = other_states[i];
+      view.group.visible = state !== undefined;
+      if (state) view.setPoses(state.turned, state.wished, false, state.opening_m);
+    });
     if (this.stones.setFrame(frame)) this.bed.outdateField();
-    shadeToolAt(this.light, this.scene.tool, frame.tool, frame.opening_m);
+    shadeToolAt(this.light, this.scene.tool, turned, frame.opening_m);
     this.arrows.setFrame(frame, held);
     this.dirty = true;
   }
@@ -229,6 +245,17 @@ export class Stage {
     return this.frame;
   }
 
+  /** Returns every tool and its pose, by number. */
+  get tools(): { tool: Tool; pose: Pose; held_by: number }[] {
+    const { scene, frame } = this;
+    if (!scene || !frame) return [];
+    const all = (scene.tools ?? []).flatMap((tool, i) => {
+      const state = frame.tools[i];
+      return state ? [{ tool, pose: state.hub, held_by: state.held_by }] : [];
+    });
+    return all.length > 0 ? all : [{ tool: scene.tool, pose: frame.tool, held_by: 0 }];
+  }
+
   /** Returns the position of the tool in the page, in CSS pixels. */
   toolOnScreen(): { x: number; y: number } | null {
     return this.frame && this.onScreen(this.frame.tool.position_m);
@@ -256,6 +283,24 @@ export class Stage {
     this.resize();
   }
 
+  private setOthers({ tools = [] }: Scene): void {
+    const others = tools.filter((_, i) => i !== this.own);
+    for (const view of this.others.splice(others.length)) {
+      this.bench.remove(view.group);
+      view.dispose();
+    }
+    others.forEach((tool, i) => {
+      if (!this.others[i]) {
+        const view = new ToolView();
+        view.setDetail(this.resolution.detailed);
+        view.group.visible = false;
+        this.others.push(view);
+        this.bench.add(view.group);
+      }
+      this.others[i]!.setTool(tool);
+    });
+  }
+
   private drawSite(): void {
     const window = this.site_window?.getBoundingClientRect();
     if (!this.site.visible || !window || window.width < 1 || window.height < 1) return;
@@ -271,7 +316,7 @@ export class Stage {
 
   private setDetail(detailed: boolean): void {
     if (detailed || this.drawing === 'balls' || this.scene?.stones?.length) needNoise(this.light);
-    this.tool.setDetail(detailed);
+    for (const tool of [this.tool, ...this.others]) tool.setDetail(detailed);
     this.bed.setDetail(detailed);
     this.ground.setDetail(detailed);
   }

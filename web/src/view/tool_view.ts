@@ -52,10 +52,8 @@ export class ToolView {
 
   setTool(tool: Tool): void {
     if (this.built_for && isSameTool(tool, this.built_for)) return;
+    this.dispose();
     this.built_for = tool;
-    dispose(this.group);
-    dispose(this.ghost);
-    this.jaws = [];
     const shape = shapeOf(tool);
     const solid = shape.geometry(tool);
     this.jaw_thickness_m = tool.size_mm[2] / 1000;
@@ -70,6 +68,14 @@ export class ToolView {
       if (side !== 0) this.jaws.push(...[body, fill, lines].map((part) => ({ part, side })));
     }
     for (const part of shape.extras(tool, this.materials)) this.group.add(part);
+  }
+
+  /** Frees the geometry of the current tool. */
+  dispose(): void {
+    this.built_for = null;
+    dispose(this.group);
+    dispose(this.ghost);
+    this.jaws = [];
   }
 
   /** Selects the normal or the cheaper way to draw, for machines with slow graphics. */

@@ -1,8 +1,8 @@
-import type { Command, Frame, Quat, Scene, Tool } from 'haptolith-protocol';
+import type { Command, Frame, Pose, Quat, Scene, Tool } from 'haptolith-protocol';
 import { describe, expect, it } from 'vitest';
 import type { Connection } from '../../src/connection';
 import { Hand } from '../../src/hand/hand';
-import { angleBetween, clampTo, turned } from '../../src/hand/pose_math';
+import { angleBetween, clampTo, movedWith, turned } from '../../src/hand/pose_math';
 import { noseDown, tiltOf, ToolTilt } from '../../src/hand/tilt';
 import { ToolBringer } from '../../src/hand/tool_bringer';
 
@@ -39,6 +39,24 @@ describe('the hand', () => {
     const { hand, sent } = makeHand();
     expect(hand.grab('mouse')).toBe(true);
     expect(sent).toEqual([{ do: 'hold', pose: [0, 0, 0.1, 1, 0, 0, 0] }]);
+  });
+
+  it('names its tool where there are several, and releases it before it takes another', () => {
+    const { hand, sent } = makeHand();
+    hand.choose('left');
+    expect(sent).toEqual([]);
+    hand.grab('mouse');
+    hand.choose('left');
+    hand.choose('right');
+    expect(hand.held).toBe(false);
+    hand.grab('keys');
+    hand.release('keys');
+    expect(sent.map((command) => [command.do, 'tool' in command && command.tool])).toEqual([
+      ['hold', 'left'],
+      ['release', 'left'],
+      ['hold', 'right'],
+      ['release', 'right'],
+    ]);
   });
 
   it('never wishes the tool out of the workspace', () => {
@@ -232,6 +250,16 @@ describe('the tilt of the tool', () => {
 describe('sums with poses', () => {
   it('clamp to a box', () => {
     expect(clampTo(SCENE.workspace, [1, -1, 0.2])).toEqual([0.1, -0.1, 0.2]);
+  });
+
+  it('move a turned tool with its hub', () => {
+    const half = Math.SQRT1_2;
+    const hub: Pose = { position_m: [1, 0, 0], rotation: [1, 0, 0, 0] };
+    const tool: Pose = { position_m: [1.5, 0, 0], rotation: [half, half, 0, 0] };
+    const to: Pose = { position_m: [0, 2, 0], rotation: [half, 0, 0, half] };
+    const { position_m, rotation } = movedWith(tool, hub, to);
+    position_m.forEach((value, axis) => expect(value).toBeCloseTo([0, 2.5, 0][axis]!, 12));
+    rotation.forEach((value) => expect(value).toBeCloseTo(0.5, 12));
   });
 
   it('turn about an axis of the tool or of the scene', () => {

@@ -57,7 +57,7 @@ describe('the height field', () => {
   it('keeps what the tool carries', () => {
     const field = new HeightField(SCENE);
     const record = [quantise(0, -0.2, 0.2), quantise(0, -0.2, 0.2), quantise(0.1, 0, 0.4), 0];
-    field.build(new Uint16Array(record), 1, { at_m: [0, 0.01, 0.08], radius_m: 0.02 });
+    field.build(new Uint16Array(record), 1, [{ at_m: [0, 0.01, 0.08], radius_m: 0.02 }]);
     expect(field.flying_count).toBe(0);
     expect(field.top_m).toBeCloseTo(0.11, 3);
   });
@@ -80,7 +80,7 @@ describe('a stone', () => {
   it('is as high as its top, over the soil that it covers', () => {
     const field = new HeightField(SCENE);
     const record = [quantise(0.04, -0.2, 0.2), quantise(0, -0.2, 0.2), quantise(0.01, 0, 0.4), 0];
-    field.build(new Uint16Array(record), 1, null, [at(-0.03, 0.03)]);
+    field.build(new Uint16Array(record), 1, [], [at(-0.03, 0.03)]);
     expect(field.heightAt(-0.03, 0)).toBeCloseTo(0.04, 3);
     expect(field.heightAt(-0.045, -0.02)).toBeCloseTo(0.035, 3);
     expect(field.heightAt(-0.06, 0.03)).toBe(0);
@@ -90,7 +90,7 @@ describe('a stone', () => {
 
   it('is no height in the air, but casts a round shadow', () => {
     const field = new HeightField(SCENE);
-    field.build(new Uint16Array(0), 0, null, [at(0, 0.1)]);
+    field.build(new Uint16Array(0), 0, [], [at(0, 0.1)]);
     expect(field.top_m).toBe(0);
     expect(field.flying_count).toBe(1);
     const [x, y, z, radius_m] = field.flying_m[0]!.toArray();

@@ -118,7 +118,7 @@ describe('the surface of soil', () => {
     const scene = sceneOf(places.length);
     const surface = new SoilSurface(scene, radiiOf(scene), FROM_LEFT);
     const tool = { at_m: [0, 0, 0.01] as [number, number, number], radius_m: 0.03, thickness_m: 0.005 };
-    surface.build(recordsOf(places), places.length, tool);
+    surface.build(recordsOf(places), places.length, [tool]);
     expect(surface.flying_count).toBe(0);
   });
 
