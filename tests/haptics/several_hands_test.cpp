@@ -123,14 +123,14 @@ struct TwoHands {
   PersonsDevice left, right;
   HapticLoop loop;
   std::vector<TickRecord> records;
-  std::array<std::vector<Eigen::Matrix3d>, 2> stiffness_n_m;  ///< of the contact of each tool, after each tick
+  std::array<std::vector<Eigen::Matrix3d>, 2> stiffness_n_m;  ///< contact stiffness per tool, after each tick
 };
 
 bool same(const Wrench& a, const Wrench& b) {
   return a.force_n == b.force_n && a.torque_nm == b.torque_nm;
 }
 
-/// What this hand would have been sent for what its tool met, had it been alone with it.
+/// Wrenches that this hand would have been sent for the same soil wrenches if it had been alone.
 std::vector<Wrench> sentAlone(const TwoHands& two, std::size_t tool) {
   const DeviceLimits limits = two.left.limits();
   const HandlingParameters handling = quickly();

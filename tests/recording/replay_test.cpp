@@ -625,7 +625,7 @@ TEST(DeclaredLimitsText, GarbageIsRefused) {
 
 // --- several tools ---
 
-/// Two hands and a wheel that turns by itself, on the way to which the second hand trips twice.
+/// Two hands and a driven wheel; the second hand trips twice.
 class ReplayOfTools : public ReplayTest {
  protected:
   static SceneFile scene() {

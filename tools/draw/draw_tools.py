@@ -182,7 +182,7 @@ def bucket_drum():
     tool.turned([(0, -half), (outer, -half), (outer, -half + thick), (0, -half + thick)], 60)
     tool.turned([(0, half - thick), (outer, half - thick), (outer, half), (0, half)], 60)
     tool.turned([(0, -half), (5, -half), (5, half), (0, half)], 24)
-    arc = math.radians(90)  # of the rim between two mouths
+    arc = math.radians(90)  # rim between two mouths
     for k in range(3):
         begin = 2 * math.pi * k / 3
         for i in range(steps):

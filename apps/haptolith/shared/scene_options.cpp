@@ -128,7 +128,8 @@ ToolDevice toolDeviceOf(const std::string& text) {
   return device;
 }
 
-/// Of a network device, where it listens: HOST:PORT, or the port alone; else its number or serial.
+/// Sets the address on which a network device listens (HOST:PORT, or the port alone), or the number or serial of
+/// another.
 void setWhich(DeviceParameters& device, const std::string& which) {
   if (which.empty()) {
     return;

@@ -24,7 +24,7 @@ struct DeviceOptions {
   bool insecure = false;
 
   /// Adds the options. @return the option that names the device.
-  /// @param of_tools  takes a device for a tool by its name, too; null: there is one.
+  /// @param of_tools  also takes devices for tools by their names; null: the scene has one tool.
   CLI::Option* addTo(CLI::App& command, std::vector<std::string>* of_tools = nullptr);
   /// Applies the options. @throws InvalidParameter, Failure if a required key cannot be read.
   void applyTo(DeviceParameters& device) const;

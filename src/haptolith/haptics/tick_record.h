@@ -41,7 +41,7 @@ struct TickRecord {
   std::uint32_t flags = 0;
   std::uint8_t trip = 0;  ///< SafetyTrip
   std::uint8_t tool = 0;  ///< number of the tool
-  JointState joint;       ///< of the tool; zero without one
+  JointState joint;       ///< the tool's joint; zero without one
 };
 
 }  // namespace haptolith

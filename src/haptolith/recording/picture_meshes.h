@@ -26,7 +26,7 @@ struct NamedNumbers {
 };
 [[nodiscard]] std::vector<NamedNumbers> numbersOf(const PicturedTool& at, const ToolParameters& tool);
 
-/// Of each tool, the name of its files: "tool" for the only one, else "tool-left".
+/// Names of the files of each tool: "tool" for the only one, else "tool-left".
 [[nodiscard]] std::vector<std::string> toolFileNames(const RecordedPictures& pictures);
 
 /// The tool's surface as triangles.

@@ -163,7 +163,7 @@ void RecordedPictures::takeRecorded(const Take& take) {
     ++next_;
   };
   const std::size_t tools = recording_.tools().size();
-  std::vector<TickRecord> of_tools;  // of a tick
+  std::vector<TickRecord> of_tools;  // all in one tick
   for (std::uint64_t first = 0; first < recording_.ticks() && next_ < rows_.size(); first += kBlock) {
     std::vector<std::vector<TickRecord>> ticks;
     for (std::size_t tool = 0; tool < tools; ++tool) {

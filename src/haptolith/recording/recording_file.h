@@ -105,7 +105,7 @@ class RecordingFile {
   double last_time_s_ = 0;
   Handle file_;
   Growing ticks_, position_, frames_, events_, reports_, site_;
-  /// Tables of a tool, beside those that all tools share.
+  /// Tables of a tool, in addition to those that all tools share.
   struct Tool {
     std::optional<Growing> ticks, joint;  ///< none of the first tool, or without a joint
     std::vector<TickRecord> unwritten_ticks = {};

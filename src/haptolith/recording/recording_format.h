@@ -15,8 +15,8 @@
 #include "haptolith/soil/soil_parameters.h"
 
 // Content of a recording: an HDF5 file with /ticks, /particles/position, /particles/frames, /events and a header; where
-// a robot followed the tool, /robot/reports and /robot/site. Of tools after the first, /tools/NAME/ticks, with the
-// columns of /ticks; of a tool with a joint, /tools/NAME/joint.
+// a robot followed the tool, /robot/reports and /robot/site. Tools after the first have /tools/NAME/ticks, with the
+// columns of /ticks; tools with a joint have /tools/NAME/joint.
 
 namespace haptolith {
 

@@ -34,7 +34,7 @@ class RecordingReader {
   [[nodiscard]] std::uint64_t reports() const noexcept;
   [[nodiscard]] std::uint64_t siteRows() const noexcept;
 
-  /// Of the scene, in order; at least one.
+  /// Tools of the scene, in order; at least one.
   [[nodiscard]] const std::vector<RecordedTool>& tools() const noexcept;
 
   /// `count` of them beginning with number `first`, or as many as there are. @throws Failure when the file is damaged.

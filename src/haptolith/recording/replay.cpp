@@ -194,7 +194,7 @@ ReplayResult Replay::run(const std::function<bool(const TickRecord& was, const T
                          double until_s) {
   ReplayResult result;
   FrameCheck frames(recording_);
-  std::vector<TickRecord> replayed, of_tools;  // of a tick
+  std::vector<TickRecord> replayed, of_tools;  // all in one tick
   std::uint64_t last = 0;
   double last_s = 0;
   const auto compare = [&](const std::optional<ComparedFrame>& frame) {

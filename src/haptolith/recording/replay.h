@@ -21,8 +21,8 @@ namespace haptolith {
 struct ReplayDifference {
   std::uint64_t tick = 0;  ///< its row in /ticks, from 0
   double time_s = 0;
-  /// Of another tool than the first with its name before it, "left: tool pose": "state_hash", "tool pose", "soil
-  /// wrench", "rendered force", "device wrench", "injected energy", "trip", "end", "flags", "particles"
+  /// "state_hash", "tool pose", "soil wrench", "joint", "rendered force", "device wrench", "injected energy", "trip",
+  /// "end", "flags", "particles"; after the name of a further tool: "left: tool pose"
   std::string what;
   /// Particles of the first frame at or after the tick; empty when no frame of the next second could be compared.
   std::optional<ComparedFrame> frame = {};
@@ -72,7 +72,7 @@ class Replay {
   const RecordingReader& recording_;
   SceneFile scene_file_;
   std::unique_ptr<Scene> scene_;
-  std::deque<ReplayDevice> devices_;  ///< of each tool
+  std::deque<ReplayDevice> devices_;  ///< one per tool
   std::unique_ptr<HapticLoop> loop_;
   bool late_ = false;  ///< the last tick, as recorded
   // That are still to come:

@@ -94,8 +94,8 @@ class Scene {
   /// The soil wrench and the force that pushed jaws apart (see ToolReaction), 0 with another tool.
   [[nodiscard]] const ToolForce& soilForce(std::size_t tool = 0) const noexcept { return at(tool).soil_force; }
 
-  /// What the hand that holds a tool gets from it: the soil force; of a tool with a joint, whose axis carries no torque
-  /// but its motor's, with the opposite of the motor's torque about the axis. May be called in the tick.
+  /// Force of a tool on its hand: the soil force; with a joint, the opposite of the motor's torque about the axis
+  /// instead of the soil's. May be called in the tick.
   [[nodiscard]] ToolForce handForce(std::size_t tool = 0) const noexcept;
 
   /// Angle, speed and torques of a tool's joint; zero without one.

@@ -180,7 +180,7 @@ void requireRoomInJaws(const SceneFile& scene_file) {
   }
 }
 
-/// What moves a tool, and the tool.
+/// Checks the first tool and its hand.
 void validateFirst(const SceneFile& scene_file) {
   validate(scene_file.mesh);
   validate(scene_file.tool);

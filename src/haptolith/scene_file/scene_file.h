@@ -53,8 +53,8 @@ struct SceneFile {
   std::string tool_name = std::string(kFirstToolName);
   std::vector<SceneTool> more_tools;  ///< after the first, whose mesh, tool, hand, device and handling are above
 
-  static constexpr std::string_view kFirstToolName = "tool";  ///< where there is no other
-  static constexpr std::size_t kMostDevices = 4;              ///< of people, in a loop
+  static constexpr std::string_view kFirstToolName = "tool";  ///< name of a single tool
+  static constexpr std::size_t kMostDevices = 4;              ///< devices in a loop
 
   [[nodiscard]] bool operator==(const SceneFile&) const = default;
 };
@@ -69,7 +69,7 @@ struct SceneFile {
 /// @throws InvalidParameter for a name that a tool cannot have.
 void requireToolName(std::string_view name);
 
-/// What a Scene needs of its tools, in order.
+/// Parameters of all tools, in order.
 [[nodiscard]] ToolSet toolSet(const SceneFile& scene_file);
 
 /// Makes a tool the first, and the first that one; a second call undoes it.

@@ -268,7 +268,7 @@ void setJointAxis(S& scene, const Vec3& direction) {
   if (direction.isZero(kRounding)) {
     throw InvalidParameter("joint_axis", "the zero vector", "a direction, for example [0, 1, 0]");
   }
-  const bool is_unit = std::abs(direction.norm() - 1) < kRounding;  // what was written is read as it was
+  const bool is_unit = std::abs(direction.norm() - 1) < kRounding;  // a written axis is read with the same bits
   scene.tool.joint.axis = is_unit ? direction : Vec3(direction.normalized());
 }
 
@@ -331,8 +331,8 @@ Keys keysOfTool() {
                   "Centre of that mass from the tool's origin, tool's frame."),
       joint.word(
           "joint_drive", &Joint::drive, kDriveWords,
-          "What turns the tool about an axis of the hand's: a motor that holds a speed or gives a torque, or the "
-          "soil alone (`free`)."),
+          "Drive of a joint between hand and tool: a motor that holds a speed or gives a torque, or none but the soil "
+          "(`free`)."),
       {"tool", "joint_axis", "joint_axis",
        VectorValue{kJointAxis, setJointAxis, [](const S& s) { return s.tool.joint.axis; }},
        "Direction of that axis, tool's frame; required with a drive."},

@@ -147,7 +147,7 @@ class Session {
     std::string_view replaced_by;
     bool taken_back = false;  ///< by undo()
   };
-  /// What moves a tool.
+  /// The device that moves a tool.
   struct Hand {
     std::unique_ptr<HapticDevice> device;
     VirtualHand* virtual_hand = nullptr;  ///< the device, when it is one
@@ -192,7 +192,7 @@ class Session {
   double speed_ = 1;
   std::string problem_;
 
-  std::vector<Hand> hands_;  ///< of each tool
+  std::vector<Hand> hands_;  ///< one per tool
   std::optional<DeviceGroup> at_people_;
   std::optional<LastResort> last_resort_;
   std::unique_ptr<HapticLoop> loop_;

@@ -32,7 +32,7 @@ struct HandParameters {
   double period_s = 4;              ///< one motion
   double active_s = 1e9;            ///< then the hand leaves the soil and waits above it
   Vec3 home_m{0, 0, 0.085};         ///< start, end and waiting place: x and y in the scene, z above the surface
-  Vec3 turn_rad = Vec3::Zero();     ///< of the tool in the hand: about x, then y, then z; not with kPoses
+  Vec3 turn_rad = Vec3::Zero();     ///< turns the tool in the hand: about x, then y, then z; not with kPoses
   double depth_m = 0.02;            ///< lowest point of the tool's origin below the surface during a motion
   std::optional<double> surface_m;  ///< height of the soil's surface; left out: measured when the bed is made
   double reach_m = 0.035;           ///< largest distance to the side

@@ -92,8 +92,8 @@ LoopEnd HapticLoop::tick() noexcept {
   return finish(finished ? LoopEnd::kFinished : LoopEnd::kRunning);
 }
 
-/// Whether the run goes on with what the hands do. A person's hand that has tripped recovers; it ends when no person is
-/// left of those that there were, or when a simulated hand has left.
+/// Reads all hands and returns whether the run continues. A person's hand that has tripped recovers. The run ends when
+/// the last person's device is lost, or when a simulated hand has left.
 LoopEnd HapticLoop::readHands() noexcept {
   const bool late = clock_.late();
   const BedParameters& bed = scene_->bed().parameters();

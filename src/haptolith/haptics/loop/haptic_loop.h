@@ -43,8 +43,8 @@ class HapticLoop {
   LoopEnd run(const std::atomic<bool>& stop) noexcept;
 
   /// One tick without pacing: read devices, move tools, step bed, sum wrenches, filter, limit, send, publish. Does not
-  /// allocate, lock, throw, log or touch a file. A trip of one hand releases that hand only; the loop goes on until
-  /// every person's device is lost.
+  /// allocate, lock, throw, log or touch a file. A trip of one hand releases that hand only; the run ends
+  /// when the last person's device is lost.
   LoopEnd tick() noexcept;
 
   /// Publishes a final, complete snapshot. To be called after the last tick(); run() does so itself.
@@ -100,7 +100,7 @@ class HapticLoop {
   std::atomic<ShownScene*> shown_;
   Scene* scene_;  ///< the rendered scene
   LoopParameters parameters_;
-  std::deque<ToolHand> hands_;  ///< of the scene's first tools, in order; they do not move in memory
+  std::deque<ToolHand> hands_;  ///< hands of the first tools, in order; they do not move in memory
   LoopClock clock_;
   LoopTelemetry telemetry_;
   boost::lockfree::spsc_queue<LoopRequest> requests_;

@@ -49,7 +49,7 @@ void LoopTelemetry::record(const LoopClock& clock, const Scene& scene) noexcept 
   if (!keep_records_) {
     return;
   }
-  if (records_.write_available() < last_.size()) {  // of a tick there are the records of all hands, or none
+  if (records_.write_available() < last_.size()) {  // a tick has the records of all hands, or none
     lost_records_.fetch_add(1, std::memory_order_relaxed);
     return;
   }

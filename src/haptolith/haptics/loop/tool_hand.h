@@ -16,7 +16,7 @@
 
 namespace haptolith {
 
-/// What moves one of a scene's tools, and how.
+/// The device that moves one of a scene's tools, and its handling.
 struct ToolHandling {
   HapticDevice* device = nullptr;
   HandlingParameters handling = {};
@@ -58,7 +58,7 @@ class ToolHand {
 
   /// Fades the tool, and returns its present share.
   double fade(double speed) noexcept;
-  /// Where the hand has its tool.
+  /// Returns the state of the hand that its tool takes.
   [[nodiscard]] const HandState& target(Scene& scene) noexcept;
 
   /// The hand feels the soil, as far as is safe.
@@ -66,7 +66,7 @@ class ToolHand {
   /// No force, because the run ends.
   void sendNothing() noexcept;
 
-  /// What is to be recorded of this tick, but for times and flags of the loop.
+  /// Fills the record of this tick, except for times and flags of the loop.
   void fill(TickRecord& record, const Scene& scene, bool failed) noexcept;
 
   /// The tool leaves the soil because something is to be replaced; then it gone(), until it is restart()ed.
@@ -83,7 +83,7 @@ class ToolHand {
   [[nodiscard]] double opening() const noexcept { return hand_.opening; }
   /// Device wrench of the last tick, about the handle's origin, device frame.
   [[nodiscard]] const Wrench& sent() const noexcept { return output_.wrench; }
-  /// The same in scene axes, with the device's magnitude.
+  /// Device wrench of the last tick in scene axes, with the device's magnitude.
   [[nodiscard]] Wrench sentInScene() const noexcept { return mapping_.turnedIntoScene(output_.wrench); }
 
  private:
@@ -98,8 +98,8 @@ class ToolHand {
   std::optional<Watchdog> watchdog_;  ///< for a person's device, paced by the clock
   ToolFade fade_;
   HandState hand_;         ///< the last plausible one, in the scene
-  DeviceInput input_;      ///< of this tick
-  DeviceOutput rendered_;  ///< of this tick, before the safety layer, device frame
+  DeviceInput input_;      ///< reading of this tick
+  DeviceOutput rendered_;  ///< output of this tick before the safety layer, device frame
   DeviceOutput output_;    ///< output of the last tick, device frame
   bool silent_ = false;
   bool released_ = false;    ///< the device gets no force, because time is paused

@@ -15,7 +15,7 @@ namespace {
 /// "bed.threads=4", taken apart.
 struct Override {
   std::string table, key, value;
-  std::string list = {}, part = {};  ///< of "tools.left.hand.motion=press": it is the part left of [[tools]]
+  std::string list = {}, part = {};  ///< "tools.left.hand.motion=press": list tools, part left
 };
 
 constexpr std::string_view kOverrideValid =

@@ -85,8 +85,8 @@ class TomlReader {
   /// @throws TomlError when there is something else of that name.
   [[nodiscard]] std::vector<TomlReader> parts(std::string_view name) const;
 
-  /// As above; the keys of [home] stand at the top of each of these tables. What one leaves out, it has from the tables
-  /// of this file. Each has a `name`, by which overrides know it.
+  /// As above; the keys of [home] stand at the top of each of these tables. Absent keys have the values of this file's
+  /// tables. Each has a `name`, by which overrides know it.
   [[nodiscard]] std::vector<TomlReader> parts(std::string_view name, std::string_view home) const;
 
   /// Lets one source decide on the keys of a table that belong together: of those of this part and those that it has
