@@ -81,6 +81,10 @@ void addOption(CLI::App& command, const LabOption& option) {
                    command.add_option_function<std::int64_t>(flag, count.set, help)->check(wholeNumberIn(count.valid));
                  },
                  [&](const LabOption::Word& word) {
+                   if (word.words.empty()) {
+                     command.add_option_function<std::string>(flag, word.set, help)->option_text("FILE");
+                     return;
+                   }
                    command.add_option_function<std::string>(flag, word.set, help)
                        ->transform(inLowerCase())
                        ->check(oneOf(word.words));
