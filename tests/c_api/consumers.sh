@@ -100,6 +100,14 @@ CMAKE
     HAPTOLITH_LIBRARY=$prefix/lib/libhaptolith.so PYTHONPATH=$source/python PYTHONDONTWRITEBYTECODE=1 \
       /usr/bin/python3 "$source/examples/mujoco/draw.py" "$work/arm.csv" "$work/arm.png"
     [[ -s $work/arm.png ]] || fail "the arm is not drawn"
+    # Four wheels: level soil and 20 degrees carry the rover, at 30 degrees it digs itself in.
+    gcc -std=c99 -Wall -Wextra -Wno-missing-field-initializers -Werror "$source/examples/mujoco/rover.c" "${flags[@]}" -lmujoco -lm -o "$work/rover"
+    for slope in 0 20 30; do "$work/rover" "$slope" > "$work/rover-$slope.txt" & done
+    wait
+    drove() { awk '/drove/ { print $5 }' "$work/rover-$1.txt"; }
+    (( $(drove 0) > 600 )) || fail "the rover drives $(drove 0) mm on level soil"
+    (( $(drove 20) > 300 )) || fail "the rover climbs $(drove 20) mm on 20 degrees"
+    (( $(drove 30) < 100 )) || fail "the rover climbs $(drove 30) mm on 30 degrees"
     ;;
   chai3d)  # with mocks of its classes, in the C++ that CHAI3D is built with
     install
