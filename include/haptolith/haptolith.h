@@ -422,11 +422,17 @@ typedef struct hapto_device {
 
 /* A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
  * [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
- * The device moves the first tool; others do not touch the soil until then.
+ * The device moves the first tool; others do not touch the soil until then (hapto_loop_create_tools() moves all).
  * device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
  *         NULL: the device that the scene's [device] names, a virtual hand by default.
  * flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread. */
 HAPTO_API int32_t hapto_loop_create(hapto_scene *scene, const hapto_device *device, uint32_t flags, hapto_loop **out);
+/* As above for all tools of a scene: devices[k] moves tool k; where it is NULL, the device that the tool's [tools.device]
+ * names, a virtual hand by default. Each hand has its own mapping, coupling, safety layer and watchdog; the loop ends when
+ * the last person's device is lost. Each tick gives `count` ticks, one for each tool.
+ * count  number of the scene's tools; HAPTO_WRONG_TOOL for another. At most 4 devices are not virtual hands. */
+HAPTO_API int32_t hapto_loop_create_tools(hapto_scene *scene, const hapto_device *const *devices, uint32_t count,
+                                          uint32_t flags, hapto_loop **out);
 enum {
   HAPTO_LOOP_TICKED_BY_CALLER = 1, /* hapto_loop_tick() is called once every tick_s */
   HAPTO_LOOP_KEEPS_TICKS = 2,      /* for hapto_loop_take_ticks() */
@@ -470,6 +476,9 @@ typedef struct hapto_snapshot {
  * Before the first snapshot there are no positions. While time is paused the wrenches are those of the last tick, and the
  * device is sent zero. */
 HAPTO_API int32_t hapto_loop_snapshot(hapto_loop *loop, hapto_snapshot *out);
+/* A tool in the snapshot that hapto_loop_snapshot() gave last, without fade, grip_force_n and stiffness_n_m (0). From the
+ * same thread. */
+HAPTO_API int32_t hapto_loop_get_tool(hapto_loop *loop, uint32_t tool, hapto_tool_state *out);
 
 /* Safety trips: why the safety layer sets the force to zero (docs/explanation/safety.md). */
 enum {
@@ -508,7 +517,7 @@ typedef struct hapto_tick {
   uint32_t trip;               /* HAPTO_TRIP_... */
   uint32_t buttons;
   int32_t device_state;
-  uint32_t reserved;
+  uint32_t tool;               /* its number; 0: the first */
   double time_s;
   hapto_pose device_pose;      /* handle, as the device reported it, device frame */
   hapto_twist device_twist;    /* handle, device frame */

@@ -447,16 +447,25 @@ class Loop {
   enum class Ticks { kNotKept, kKept };
 
   Loop(Scene &scene, Device &device, Ticked ticked = Ticked::kByItsThread, Ticks ticks = Ticks::kNotKept) {
-    auto own = sized<hapto_device>();
-    own.user = &device;
-    own.name = device.name();
-    require(hapto_device_limits_init(&own.limits));
-    device.declare(own.limits);
-    own.read = [](void *user, hapto_device_input *told) { static_cast<Device *>(user)->read(*told); };
-    own.write = [](void *user, const hapto_device_output *force) { static_cast<Device *>(user)->write(*force); };
-    own.release_force = [](void *user) { static_cast<Device *>(user)->releaseForce(); };
-    own.resume_force = [](void *user) { static_cast<Device *>(user)->resumeForce(); };
+    const hapto_device own = described(device);
     create(scene, &own, ticked, ticks);
+  }
+  /// With a device for each tool of the scene; null: the one that the scene names for it.
+  Loop(Scene &scene, const std::vector<Device *> &devices, Ticked ticked = Ticked::kByItsThread,
+       Ticks ticks = Ticks::kNotKept) {
+    std::vector<hapto_device> own(devices.size());
+    std::vector<const hapto_device *> list(devices.size(), nullptr);
+    for (std::size_t tool = 0; tool < devices.size(); ++tool) {
+      if (devices[tool] != nullptr) {
+        own[tool] = described(*devices[tool]);
+        list[tool] = &own[tool];
+      }
+    }
+    hapto_loop *made = nullptr;
+    const hapto_device *none = nullptr;
+    require(hapto_loop_create_tools(scene.get(), list.empty() ? &none : list.data(), static_cast<std::uint32_t>(list.size()),
+                                    flags(ticked, ticks), &made));
+    handle_.reset(made);
   }
   /// With the device that the scene names, a virtual hand by default.
   explicit Loop(Scene &scene, Ticked ticked = Ticked::kByItsThread, Ticks ticks = Ticks::kNotKept) {
@@ -479,6 +488,12 @@ class Loop {
     require(hapto_loop_snapshot(handle_.get(), &snapshot));
     return snapshot;
   }
+  /// A tool in the last snapshot.
+  hapto_tool_state tool(std::uint32_t number) {
+    auto state = sized<hapto_tool_state>();
+    require(hapto_loop_get_tool(handle_.get(), number, &state));
+    return state;
+  }
   void pause(bool on) { require(hapto_loop_pause(handle_.get(), on ? 1 : 0)); }
   void change(const std::vector<std::string> &overrides) {
     const auto list = detail::pointers(overrides);
@@ -496,11 +511,25 @@ class Loop {
   hapto_loop *get() const noexcept { return handle_.get(); }
 
  private:
+  static std::uint32_t flags(Ticked ticked, Ticks ticks) {
+    return (ticked == Ticked::kByCaller ? HAPTO_LOOP_TICKED_BY_CALLER : 0) |
+           (ticks == Ticks::kKept ? HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES : 0);
+  }
+  static hapto_device described(Device &device) {
+    auto own = sized<hapto_device>();
+    own.user = &device;
+    own.name = device.name();
+    require(hapto_device_limits_init(&own.limits));
+    device.declare(own.limits);
+    own.read = [](void *user, hapto_device_input *told) { static_cast<Device *>(user)->read(*told); };
+    own.write = [](void *user, const hapto_device_output *force) { static_cast<Device *>(user)->write(*force); };
+    own.release_force = [](void *user) { static_cast<Device *>(user)->releaseForce(); };
+    own.resume_force = [](void *user) { static_cast<Device *>(user)->resumeForce(); };
+    return own;
+  }
   void create(Scene &scene, const hapto_device *device, Ticked ticked, Ticks ticks) {
-    const std::uint32_t flags = (ticked == Ticked::kByCaller ? HAPTO_LOOP_TICKED_BY_CALLER : 0) |
-                                (ticks == Ticks::kKept ? HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES : 0);
     hapto_loop *made = nullptr;
-    require(hapto_loop_create(scene.get(), device, flags, &made));
+    require(hapto_loop_create(scene.get(), device, flags(ticked, ticks), &made));
     handle_.reset(made);
   }
 

@@ -93,7 +93,7 @@ class Snapshot(Structure):
 
 class Tick(Structure):
     _fields_ = [("size", c_uint32), ("flags", c_uint32), ("trip", c_uint32), ("buttons", c_uint32),
-                ("device_state", c_int32), ("reserved", c_uint32), ("time_s", c_double), ("device_pose", Pose),
+                ("device_state", c_int32), ("tool", c_uint32), ("time_s", c_double), ("device_pose", Pose),
                 ("device_twist", Twist), ("gripper_open", c_double), ("scene_T_tool", Pose),
                 ("soil_wrench", Wrench), ("rendered", Wrench), ("rendered_gripper_n", c_double),
                 ("device_wrench", Wrench), ("device_gripper_n", c_double), ("injected_j", c_double),
@@ -198,11 +198,13 @@ SIGNATURES: dict[str, list[Any]] = {
     "hapto_psychometric_fit": [_H, c_uint64, c_char_p, _OUT],
     "hapto_device_limits_init": [POINTER(DeviceLimits)],
     "hapto_loop_create": [_H, POINTER(Device), c_uint32, _OUT],
+    "hapto_loop_create_tools": [_H, POINTER(POINTER(Device)), c_uint32, c_uint32, _OUT],
     "hapto_loop_start": [_H],
     "hapto_loop_tick": [_H, c_int32],
     "hapto_loop_stop": [_H],
     "hapto_loop_destroy": [_H],
     "hapto_loop_snapshot": [_H, POINTER(Snapshot)],
+    "hapto_loop_get_tool": [_H, c_uint32, POINTER(ToolState)],
     "hapto_loop_take_ticks": [_H, _H, c_uint64, _COUNT, _COUNT],
     "hapto_loop_get_header": [_H, c_void_p, c_uint64, _COUNT],
     "hapto_loop_pause": [_H, c_int32],

@@ -7,7 +7,7 @@ import sys
 import traceback
 from dataclasses import dataclass, field
 from enum import IntEnum, IntFlag
-from typing import Any, Optional
+from typing import Any, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -157,22 +157,31 @@ class Snapshot:
 class Loop(Owned):
     """Joins a scene and a device at 1 kHz: mapping, coupling, filter and safety layer as the scene says.
 
-    device: None: the one that the scene names, a virtual hand by default. The scene belongs to the loop until close().
+    device: None: the one that the scene names, a virtual hand by default. A list has one for each tool of the scene, and
+    ticks have the number of their `tool` then. The scene belongs to the loop until close().
     ticked_by_caller: tick() in a loop of yours instead of start(). keep_ticks: for take_ticks() and for a Recorder."""
 
     _destroy = _lib.hapto_loop_destroy
     _held: Optional[object] = None
 
-    def __init__(self, scene: Scene, device: Optional[Device] = None, *, ticked_by_caller: bool = False,
-                 keep_ticks: bool = False) -> None:
+    def __init__(self, scene: Scene, device: Union[Device, Sequence[Optional[Device]], None] = None, *,
+                 ticked_by_caller: bool = False, keep_ticks: bool = False) -> None:
         self.scene = scene
         self._held = scene.handle  # a scene closed before the loop lives on until then
         self.device = device
         self._raised: list[BaseException] = []
-        self._own = _own_device(device, self._raised) if device is not None else None
+        self._own: Any = None
         flags = (_abi.TICKED_BY_CALLER if ticked_by_caller else 0) | (_abi.KEEPS_TICKS | _abi.HASHES if keep_ticks else 0)
         out = ctypes.c_void_p()
-        require(_lib.hapto_loop_create(scene.address, self._own, flags, ctypes.byref(out)))
+        if device is None or isinstance(device, Device):
+            self._own = _own_device(device, self._raised) if device is not None else None
+            status = _lib.hapto_loop_create(scene.address, self._own, flags, ctypes.byref(out))
+        else:
+            owns = [None if one is None else ctypes.pointer(_own_device(one, self._raised)) for one in device]
+            self._own = owns  # what the pointers point at
+            pointers = (ctypes.POINTER(_abi.Device) * max(1, len(owns)))(*[own or ctypes.POINTER(_abi.Device)() for own in owns])
+            status = _lib.hapto_loop_create_tools(scene.address, pointers, len(owns), flags, ctypes.byref(out))
+        require(status)
         self._handle = out.value
 
     def start(self) -> None:
@@ -236,7 +245,8 @@ class Loop(Owned):
     def __repr__(self) -> str:
         if not self._handle:
             return "<haptolith.Loop, closed>"
-        device = self.device.name if self.device is not None else "the scene's device"
+        devices = self.device if isinstance(self.device, (list, tuple)) else [self.device]
+        device = ", ".join(one.name if one is not None else "the scene's device" for one in devices)
         now = _abi.sized(_abi.Snapshot)
         if _lib.hapto_loop_snapshot(self._handle, now) != _abi.OK:  # another thread takes a snapshot
             return f"<haptolith.Loop with {device}>"

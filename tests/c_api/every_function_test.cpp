@@ -122,6 +122,7 @@ std::vector<Call> calls(Good& good) {
        }},
       {"hapto_loop_start", [&](const Handles& h) { return hapto_loop_start(h.loop); }},
       {"hapto_loop_snapshot", [&](const Handles& h) { return hapto_loop_snapshot(h.loop, &good.snapshot); }},
+      {"hapto_loop_get_tool", [&](const Handles& h) { return hapto_loop_get_tool(h.loop, 0, &good.tool_state); }},
       {"hapto_loop_pause", [&](const Handles& h) { return hapto_loop_pause(h.loop, 0); }},
       {"hapto_loop_change", [&](const Handles& h) { return hapto_loop_change(h.loop, &good.override, 1); }},
       {"hapto_loop_take_ticks",
@@ -158,6 +159,13 @@ std::vector<Call> calls(Good& good) {
        [&](const Handles& h) {
          hapto_loop* made = nullptr;
          const std::int32_t status = hapto_loop_create(h.scene, nullptr, 1, &made);
+         return status == HAPTO_OK ? hapto_loop_destroy(made) : status;
+       }},
+      {"hapto_loop_create_tools",
+       [&](const Handles& h) {
+         hapto_loop* made = nullptr;
+         const hapto_device* none = nullptr;
+         const std::int32_t status = hapto_loop_create_tools(h.scene, &none, 1, 1, &made);
          return status == HAPTO_OK ? hapto_loop_destroy(made) : status;
        }},
       {"hapto_lab_test",

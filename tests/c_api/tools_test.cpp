@@ -530,5 +530,82 @@ TEST(LibraryTools, ABatchStepsThemAll) {
   EXPECT_EQ(status[1], HAPTO_INVALID_PARAMETER);
 }
 
+/// A hand at a place, which presses its tool into the soil.
+class Presser final : public hapto::Device {
+ public:
+  explicit Presser(double x_m) : x_m_(x_m) {}
+  const char* name() const noexcept override { return "presser"; }
+  void declare(hapto_device_limits& limits) const noexcept override { limits.simulated = simulated ? 1 : 0; }
+  void read(hapto_device_input& told) noexcept override {
+    told.pose = {{x_m_, 0, -0.06 - 0.04 * std::min(1.0, 0.005 * reads_++)}, {1, 0, 0, 0}};
+    told.state = reads_ > lost_at ? HAPTO_DEVICE_LOST : HAPTO_DEVICE_LIVE;
+  }
+  void write(const hapto_device_output& force) noexcept override { force_n = force.wrench.force_n[2]; }
+
+  bool simulated = true;
+  int lost_at = 1'000'000;
+  double force_n = 0;
+
+ private:
+  double x_m_;
+  int reads_ = 0;
+};
+
+hapto::Scene threeTools() {
+  return hapto::Scene::fromToml(kThree, {"loop.real_time=false"});
+}
+
+TEST(LibraryTools, ALoopMovesEachByItsDevice) {
+  hapto::Scene scene = threeTools();
+  Presser left(-0.1), right(0.1);
+  {
+    hapto::Loop loop(scene, std::vector<hapto::Device*>{&left, nullptr, &right}, hapto::Loop::Ticked::kByCaller,
+                     hapto::Loop::Ticks::kKept);
+    for (int tick = 0; tick < 400; ++tick) {
+      ASSERT_TRUE(loop.tick());
+    }
+    EXPECT_GT(left.force_n, 0);
+    EXPECT_GT(right.force_n, 0);
+    (void)loop.snapshot();
+    EXPECT_NEAR(loop.tool(2).scene_T_tool.position_m[0], 0.1, 1e-12);
+    EXPECT_GT(loop.tool(2).angle_rad, 0.9);
+    EXPECT_EQ(loop.tool(2).drive, HAPTO_DRIVE_SPEED);
+    const std::vector<hapto_tick> ticks = loop.takeTicks();
+    ASSERT_EQ(ticks.size(), 1200U);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      ASSERT_EQ(ticks[i].tool, i % 3);
+    }
+    EXPECT_NEAR(ticks[1199].scene_T_tool.position_m[0], 0.1, 1e-12);
+    auto state = sized<hapto_tool_state>();
+    EXPECT_EQ(hapto_loop_get_tool(loop.get(), 3, &state), HAPTO_WRONG_TOOL);
+  }
+  EXPECT_EQ(stateOf(scene.get(), 1).in_soil, 1) << "the loop has moved it";
+}
+
+TEST(LibraryTools, ALoopLosesOneDeviceAndGoesOnWithTheOther) {
+  hapto::Scene scene = threeTools();
+  Presser left(-0.1), right(0.1), script(0);
+  left.simulated = right.simulated = false;
+  left.lost_at = 300;
+  hapto::Loop loop(scene, std::vector<hapto::Device*>{&left, &script, &right}, hapto::Loop::Ticked::kByCaller);
+  for (int tick = 0; tick < 900; ++tick) {
+    ASSERT_TRUE(loop.tick()) << tick;
+  }
+  EXPECT_EQ(left.force_n, 0);
+  EXPECT_GT(right.force_n, 0);
+}
+
+TEST(LibraryTools, ALoopRefusesAnotherNumberOfDevices) {
+  hapto::Scene scene = threeTools();
+  Presser left(-0.1), right(0.1);
+  hapto_loop* made = nullptr;
+  EXPECT_EQ(hapto_loop_create_tools(scene.get(), nullptr, 3, 1, &made), HAPTO_NULL);
+  const hapto_device* none[3] = {};
+  EXPECT_EQ(hapto_loop_create_tools(scene.get(), none, 2, 1, &made), HAPTO_WRONG_TOOL);
+  EXPECT_EQ(hapto_loop_create_tools(scene.get(), none, 3, 1, nullptr), HAPTO_NULL);
+  expectOk(hapto_loop_create_tools(scene.get(), none, 3, 1, &made));
+  expectOk(hapto_loop_destroy(made));
+}
+
 }  // namespace
 }  // namespace haptolith::library

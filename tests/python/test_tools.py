@@ -218,3 +218,39 @@ def test_objects_print_what_they_are(two, tmp_path):
         tool.place([0, 0, 0.2])
     with pytest.raises(hp.HaptolithError, match="closed"):
         two.step(np.zeros((2, 7)) + [0, 0, 0.2, 1, 0, 0, 0])
+
+
+class Pressing(hp.Device):
+    """A hand that presses its tool into the soil at a place."""
+
+    def __init__(self, x_m, name):
+        self.name, self.x_m, self.ticks, self.force_n = name, x_m, 0, 0.0
+
+    def read(self):
+        self.ticks += 1
+        return hp.DeviceInput(position_m=(self.x_m, 0, -0.06 - 0.04 * min(1, 0.005 * self.ticks)))
+
+    def write(self, force_n, torque_nm):
+        self.force_n = force_n[2]
+
+
+def test_a_loop_moves_every_tool_and_its_recording_is_run_again(tmp_path):
+    path = tmp_path / "two.h5"
+    left, right = Pressing(-0.1, "left hand"), Pressing(0.1, "right hand")
+    with hp.Scene.from_toml(TWO, loop__real_time=False) as scene:
+        with hp.Loop(scene, [left, right], ticked_by_caller=True, keep_ticks=True) as loop, \
+                recording.Recorder(loop, path) as recorder:
+            assert "left hand, right hand" in repr(loop)
+            for _ in range(400):
+                assert loop.tick()
+            recorder.take()
+            assert left.force_n > 0 and right.force_n > 0
+        with hp.Loop(scene, [left, None], ticked_by_caller=True, keep_ticks=True) as loop:
+            for _ in range(10):
+                assert loop.tick()
+            assert list(loop.take_ticks()["tool"]) == [0, 1] * 10
+        with pytest.raises(hp.HaptolithError, match="tool"):
+            hp.Loop(scene, [left], ticked_by_caller=True)
+    with recording.Recording(path) as read:
+        verified = read.verify()
+        assert verified.same and verified.ticks == 400

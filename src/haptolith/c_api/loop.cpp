@@ -22,6 +22,7 @@
 #include "haptolith/c_api/with_handle.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/declared_limits.h"
+#include "haptolith/device/device_group.h"
 #include "haptolith/device/drivers/open_device.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
@@ -91,9 +92,13 @@ std::unique_ptr<HapticDevice> deviceFor(const SceneFile& scene_file, const hapto
   return openDevice(scene_file.device, scene_file.bed.tick_s);
 }
 
-/// The hand begins above the soil that is there.
+/// The hands begin above the soil that is there.
 SceneFile above(SceneFile scene_file, double surface_m) {
-  scene_file.hand.surface_m = scene_file.hand.surface_m.value_or(surface_m);
+  for (std::size_t tool = 0; tool < toolCount(scene_file); ++tool) {
+    exchangeFirst(scene_file, tool);
+    scene_file.hand.surface_m = scene_file.hand.surface_m.value_or(surface_m);
+    exchangeFirst(scene_file, tool);
+  }
   return scene_file;
 }
 
@@ -104,29 +109,46 @@ LoopParameters pacedBy(LoopParameters loop, bool caller) {
 
 }  // namespace
 
-/// A loop, its device, and the scene that it has for as long as it lives.
+/// A loop, its devices, and the scene that it has for as long as it lives.
 class Loop {
  public:
-  Loop(Claim<hapto_scene> scene, const hapto_device* device, std::uint32_t flags)
+  /// @param devices  move the first tools; null: the one that the scene names.
+  Loop(Claim<hapto_scene> scene, std::span<const hapto_device* const> devices, std::uint32_t flags)
       : scene_(std::move(scene)),
         ticked_by_caller_((flags & HAPTO_LOOP_TICKED_BY_CALLER) != 0),
         keeps_ticks_((flags & HAPTO_LOOP_KEEPS_TICKS) != 0),
         scene_file_(above(scene_->sceneFile(), scene_->scene().bed().surfaceHeight())),
-        device_(deviceFor(scene_file_, device)),
         parameters_(pacedBy(scene_file_.loop, ticked_by_caller_)),
-        start_tick_(scene_->startTick()) {
-    if (!ticked_by_caller_ && !parameters_.real_time && !device_->simulated()) {
-      throw InvalidParameter("loop.real_time", "false",
-                             "true with a haptic device: forces on a hand must be rendered in real time");
+        start_tick_(scene_->startTick(devices.size())) {
+    std::vector<ToolHandling> hands;
+    std::vector<HapticDevice*> opened_at_people;
+    for (std::size_t tool = 0; tool < devices.size(); ++tool) {
+      exchangeFirst(scene_file_, tool);
+      const double surface_m = *scene_file_.hand.surface_m;
+      const hapto_device* own = devices[tool];
+      devices_.push_back(deviceFor(scene_file_, own));
+      hands.push_back({devices_.back().get(), own == nullptr ? handlingOf(scene_file_, surface_m)
+                                                             : handlingOfOwnDevice(scene_file_, surface_m)});
+      exchangeFirst(scene_file_, tool);
+      const bool at_person = !devices_.back()->simulated();
+      if (!ticked_by_caller_ && !parameters_.real_time && at_person) {
+        throw InvalidParameter("loop.real_time", "false",
+                               "true with a haptic device: forces on a hand must be rendered in real time");
+      }
+      if (own == nullptr && at_person) {
+        opened_at_people.push_back(devices_.back().get());
+      }
     }
-    const double surface_m = *scene_file_.hand.surface_m;
-    loop_.emplace(scene_->scene(), *device_, parameters_, keeps_ticks_,
-                  device == nullptr ? handlingOf(scene_file_, surface_m) : handlingOfOwnDevice(scene_file_, surface_m));
+    loop_.emplace(scene_->scene(), hands, parameters_, keeps_ticks_);
+    for (std::size_t tool = 0; tool < hands.size(); ++tool) {
+      scene_->enterSoil(tool);
+    }
     if ((flags & HAPTO_LOOP_HASHES) != 0) {
       loop_->hashRecords();
     }
-    if (device == nullptr && !device_->simulated()) {
-      last_resort_.emplace(*device_);
+    if (!opened_at_people.empty()) {
+      at_people_.emplace(std::move(opened_at_people));
+      last_resort_.emplace(*at_people_);
     }
   }
   ~Loop() {
@@ -155,7 +177,9 @@ class Loop {
     if (end_ != LoopEnd::kRunning) {
       return HAPTO_ENDED;
     }
-    loop_->overrideHealth({.late = late != 0});
+    for (std::size_t tool = 0; tool < devices_.size(); ++tool) {
+      loop_->overrideHealth({.late = late != 0}, tool);
+    }
     const LoopEnd end = loop_->tick();
     end_ = end;
     return end == LoopEnd::kRunning ? HAPTO_OK : HAPTO_ENDED;
@@ -167,7 +191,9 @@ class Loop {
       end_ = thread_->join();
       thread_.reset();
     } else if (end_ == LoopEnd::kRunning) {
-      device_->write({});
+      for (const std::unique_ptr<HapticDevice>& device : devices_) {
+        device->write({});
+      }
       end_ = LoopEnd::kStopped;
     }
   }
@@ -218,16 +244,37 @@ class Loop {
          out);
   }
 
+  void getTool(std::uint32_t tool, hapto_tool_state& out) {
+    const SceneSnapshot& now = loop_->snapshots().latest();
+    const ToolParameters& parameters = scene_->scene().tool(tool);
+    const ShownTool& shown = now.tools.at(tool);
+    hapto_tool_state state{};
+    state.in_soil = tool < devices_.size() ? 1 : 0;
+    state.drive = static_cast<std::int32_t>(parameters.joint.drive);
+    state.scene_T_tool = pose(shown.scene_T_tool);
+    state.scene_T_turned = pose(shown.turned);
+    state.soil_wrench = wrench(shown.soil_wrench);
+    state.angle_rad = shown.joint.angle_rad;
+    state.speed_rad_s = shown.joint.speed_rad_s;
+    state.soil_torque_nm = shown.joint.soil_torque_nm;
+    state.motor_torque_nm = shown.joint.motor_torque_nm;
+    state.opening_m = shown.opening_m;
+    give(state, out);
+  }
+  [[nodiscard]] std::size_t tools() const noexcept { return scene_->scene().tools(); }
+
   void takeTicks(std::span<hapto_tick> out, std::uint64_t& count, std::uint64_t* lost) {
     if (!keeps_ticks_) {
       throw RefusedAction("loop", "cannot take ticks: the loop was made without HAPTO_LOOP_KEEPS_TICKS");
     }
     loop_->takeRecords(taken_);
     const std::size_t now = std::min(out.size(), taken_.size());
-    std::ranges::transform(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(now), out.begin(), tickOf);
-    taken_.erase(taken_.begin(), taken_.begin() + static_cast<std::ptrdiff_t>(now));
+    const auto end = taken_.begin() + static_cast<std::ptrdiff_t>(now);
+    std::ranges::transform(taken_.begin(), end, out.begin(), tickOf);
+    handed_out_ += static_cast<std::uint64_t>(
+        std::count_if(taken_.begin(), end, [](const TickRecord& record) { return record.tool == 0; }));
+    taken_.erase(taken_.begin(), end);
     count = now;
-    handed_out_ += now;
     if (lost != nullptr) {
       *lost = loop_->lostRecords();
     }
@@ -239,8 +286,9 @@ class Loop {
                                   {"title", scene_file_.title},
                                   {"instruction_set", simdTarget()},
                                   {"arithmetic", arithmetic()},
-                                  {"device", device_->name()},
-                                  {"device_limits", limitsText(device_->limits(), device_->simulated())},
+                                  {"device", devices_.front()->name()},
+                                  {"device_limits", limitsOf(*devices_.front())},
+                                  {"tools", toolsJson()},
                                   {"seed", scene_file_.bed.seed},
                                   {"threads", scene_file_.bed.threads},
                                   {"hashed_parts", loop_->hashedParts()},
@@ -273,6 +321,22 @@ class Loop {
   }
 
  private:
+  static std::string limitsOf(const HapticDevice& device) { return limitsText(device.limits(), device.simulated()); }
+
+  /// As RecordedTool; joints are not in ticks. Empty where one device moves one tool.
+  [[nodiscard]] std::string toolsJson() const {
+    auto tools = nlohmann::ordered_json::array();
+    const std::vector<std::string_view> names = toolNames(scene_file_);
+    for (std::size_t tool = 0; tool < devices_.size(); ++tool) {
+      tools.push_back({{"name", names[tool]},
+                       {"device", devices_[tool]->name()},
+                       {"device_limits", limitsOf(*devices_[tool])},
+                       {"has_joint", false}});
+    }
+    return devices_.size() == 1 ? ""
+                                : tools.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  }
+
   void ask(const LoopRequest& request) {
     if (!loop_->ask(request)) {
       throw Failure("too many requests at once: try again");
@@ -286,7 +350,8 @@ class Loop {
   Claim<hapto_scene> scene_;
   bool ticked_by_caller_, keeps_ticks_;
   SceneFile scene_file_;
-  std::unique_ptr<HapticDevice> device_;
+  std::vector<std::unique_ptr<HapticDevice>> devices_;  ///< one per tool that the loop moves
+  std::optional<DeviceGroup> at_people_;
   std::optional<LastResort> last_resort_;
   LoopParameters parameters_;
   std::uint64_t start_tick_;      ///< tick of the scene when it was handed over
@@ -319,26 +384,62 @@ std::int32_t with(const hapto_loop* loop, Body&& body) {
 
 }  // namespace
 
-std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, std::uint32_t flags, hapto_loop** out) {
+namespace {
+
+/// Makes a loop of the scene. @param devices  of its first tools; without a count that it must have: of the first alone.
+std::int32_t createLoop(hapto_scene* scene, std::span<const hapto_device* const> devices, bool all_tools,
+                        std::uint32_t flags, hapto_loop** out) {
   if (out == nullptr) {
     return wrongArgument(HAPTO_NULL, "out");
   }
-  if (device != nullptr && sizeStatus(device) != HAPTO_OK) {
-    return wrongArgument(sizeStatus(device), "device");
+  for (const hapto_device* device : devices) {
+    if (device != nullptr && sizeStatus(device) != HAPTO_OK) {
+      return wrongArgument(sizeStatus(device), all_tools ? "devices" : "device");
+    }
   }
   Claim claim(scene);
   if (const std::int32_t status = claim.status() != HAPTO_OK ? claim.status() : claim->condition();
       status != HAPTO_OK) {
     return wrongArgument(status, "scene");
   }
+  if (all_tools && devices.size() != claim->scene().tools()) {
+    return wrongArgument(HAPTO_WRONG_TOOL, "count");
+  }
   return guarded([&] {
     constexpr std::uint32_t kKnown = HAPTO_LOOP_TICKED_BY_CALLER | HAPTO_LOOP_KEEPS_TICKS | HAPTO_LOOP_HASHES;
     if ((flags & ~kKnown) != 0) {
       throw InvalidParameter("flags", std::to_string(flags), "a sum of HAPTO_LOOP_...");
     }
-    *out = Places<hapto_loop>::take(std::make_unique<Loop>(std::move(claim), device, flags));
+    *out = Places<hapto_loop>::take(std::make_unique<Loop>(std::move(claim), devices, flags));
     return HAPTO_OK;
   });
+}
+
+}  // namespace
+
+std::int32_t hapto_loop_create(hapto_scene* scene, const hapto_device* device, std::uint32_t flags, hapto_loop** out) {
+  return createLoop(scene, std::span(&device, 1), false, flags, out);
+}
+
+std::int32_t hapto_loop_create_tools(hapto_scene* scene, const hapto_device* const* devices, std::uint32_t count,
+                                     std::uint32_t flags, hapto_loop** out) {
+  return devices == nullptr ? wrongArgument(HAPTO_NULL, "devices")
+                            : createLoop(scene, std::span(devices, count), true, flags, out);
+}
+
+std::int32_t hapto_loop_get_tool(hapto_loop* loop, std::uint32_t tool, hapto_tool_state* out) {
+  if (const std::int32_t status = sizeStatus(out); status != HAPTO_OK) {
+    return wrongArgument(status, "out");
+  }
+  std::int32_t found = HAPTO_OK;
+  const std::int32_t status = with(loop, [&](Loop& object) {
+    if (tool < object.tools()) {
+      object.getTool(tool, *out);
+    } else {
+      found = HAPTO_WRONG_TOOL;
+    }
+  });
+  return found == HAPTO_OK ? status : wrongArgument(found, "tool");
 }
 
 std::int32_t hapto_loop_start(hapto_loop* loop) {

@@ -171,9 +171,9 @@ void SceneObject::goOn(const Saved& saved) {
   as_made_ = false;
 }
 
-std::uint64_t SceneObject::startTick() const noexcept {
+std::uint64_t SceneObject::startTick(std::size_t moved) const noexcept {
   const std::uint64_t ticks = scene_->bed().state().step / static_cast<std::uint64_t>(scene_->substeps());
-  const bool as_scene_says = as_made_ && scene_->tools() == 1 && scene_->toolFade() == 1;
+  const bool as_scene_says = as_made_ && moved == scene_->tools() && scene_->toolFade() == 1;
   return as_scene_says ? ticks : std::max<std::uint64_t>(ticks, 1);
 }
 

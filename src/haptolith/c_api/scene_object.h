@@ -60,6 +60,8 @@ class SceneObject {
   void setGravity(const Vec3& gravity_m_s2) noexcept;
   void setOpening(std::size_t tool, double share) noexcept { uses_[tool].opening = share; }
   void setFade(std::size_t tool, double share) noexcept;
+  /// A tool touches the soil from now on.
+  void enterSoil(std::size_t tool) noexcept;
   [[nodiscard]] double fade(std::size_t tool) const noexcept { return uses_[tool].fade; }
   /// Whether the tool has been placed or stepped, and may touch the soil. The first one may from the start.
   [[nodiscard]] bool inSoil(std::size_t tool) const noexcept { return uses_[tool].in_soil; }
@@ -78,8 +80,9 @@ class SceneObject {
   [[nodiscard]] const std::vector<std::string>& toolNames() const noexcept { return tool_names_; }
   /// HAPTO_OK, or what the bed has come to.
   [[nodiscard]] std::int32_t condition() const noexcept { return condition_; }
-  /// For a recording that begins now: 0 when soil and tool are as the scene says, else ticks so far, at least 1.
-  [[nodiscard]] std::uint64_t startTick() const noexcept;
+  /// For a recording that begins now: 0 when soil and tools are as the scene says, else ticks so far, at least 1.
+  /// @param moved  number of the tools that the recorded loop moves.
+  [[nodiscard]] std::uint64_t startTick(std::size_t moved) const noexcept;
   /// From a loop, which may not have come to all that was noted.
   void takeBack(std::int32_t condition);
 
@@ -97,7 +100,6 @@ class SceneObject {
   explicit SceneObject(const Saved& saved);
   void goOn(const Saved& saved);
   void placeAtStart() noexcept;
-  void enterSoil(std::size_t tool) noexcept;
   [[nodiscard]] bool isValid(const hapto_pose& at) const noexcept;
   [[nodiscard]] HandState handFor(std::size_t tool, const hapto_pose& to, const hapto_twist* given) const noexcept;
   std::int32_t move(const hapto_pose* poses, const hapto_twist* given, std::size_t count, hapto_wrench* felt) noexcept;

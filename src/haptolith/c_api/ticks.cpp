@@ -37,7 +37,7 @@ hapto_tick tickOf(const TickRecord& record) noexcept {
           .trip = record.trip,
           .buttons = record.device.buttons,
           .device_state = static_cast<std::int32_t>(record.device.state),
-          .reserved = 0,
+          .tool = record.tool,
           .time_s = record.time_s,
           .device_pose = pose(record.device.pose),
           .device_twist = twist(record.device.twist),
@@ -73,7 +73,7 @@ TickRecord recordOf(const hapto_tick& tick) noexcept {
           .state_hash = tick.state_hash,
           .flags = tick.flags,
           .trip = static_cast<std::uint8_t>(tick.trip),
-          .tool = 0,
+          .tool = static_cast<std::uint8_t>(tick.tool),
           .joint = {}};
 }
 

@@ -229,7 +229,7 @@ namespace Haptolith
     public uint trip;  // HAPTO_TRIP_...
     public uint buttons;
     public int device_state;
-    public uint reserved;
+    public uint tool;  // its number; 0: the first
     public double time_s;
     public hapto_pose device_pose;  // handle, as the device reported it, device frame
     public hapto_twist device_twist;  // handle, device frame
@@ -672,13 +672,22 @@ namespace Haptolith
     /// <summary>
     /// A loop that joins a scene and a device: mapping, coupling, filter and the safety layer as the scene's tables [mapping],
     /// [coupling], [loop], [safety] say. The scene belongs to it until hapto_loop_destroy(): other calls give HAPTO_BUSY.
-    /// The device moves the first tool; others do not touch the soil until then.
+    /// The device moves the first tool; others do not touch the soil until then (hapto_loop_create_tools() moves all).
     /// device  the caller's; its zero is [mapping] offset_mm above the soil's surface, 85 mm unless the scene says otherwise.
     ///         NULL: the device that the scene's [device] names, a virtual hand by default.
     /// flags   HAPTO_LOOP_...; 0: hapto_loop_start() gives it a thread.
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_create(IntPtr scene, hapto_device* device, uint flags, IntPtr* @out);
+
+    /// <summary>
+    /// As above for all tools of a scene: devices[k] moves tool k; where it is NULL, the device that the tool's [tools.device]
+    /// names, a virtual hand by default. Each hand has its own mapping, coupling, safety layer and watchdog; the loop ends when
+    /// the last person's device is lost. Each tick gives `count` ticks, one for each tool.
+    /// count  number of the scene's tools; HAPTO_WRONG_TOOL for another. At most 4 devices are not virtual hands.
+    /// </summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_loop_create_tools(IntPtr scene, hapto_device** devices, uint count, uint flags, IntPtr* @out);
 
     /// <summary>
     /// Runs it on a separate thread, in step with the clock, with real-time priority and the process's memory locked where the
@@ -710,6 +719,13 @@ namespace Haptolith
     /// </summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_loop_snapshot(IntPtr loop, hapto_snapshot* @out);
+
+    /// <summary>
+    /// A tool in the snapshot that hapto_loop_snapshot() gave last, without fade, grip_force_n and stiffness_n_m (0). From the
+    /// same thread.
+    /// </summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_loop_get_tool(IntPtr loop, uint tool, hapto_tool_state* @out);
 
     /// <summary>
     /// Takes up to `capacity` of the waiting ticks, the oldest first; `count` is their number, `lost` (or NULL) the number lost so far

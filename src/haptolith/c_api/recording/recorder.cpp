@@ -44,6 +44,7 @@ LoopHeader headerOf(const hapto_loop* loop) {
   json.at("arithmetic").get_to(header.arithmetic);
   json.at("device").get_to(header.device);
   json.at("device_limits").get_to(header.device_limits);
+  header.tools = json.value("tools", std::string());  // not from libraries of version 0.2
   json.at("seed").get_to(header.seed);
   json.at("threads").get_to(header.threads);
   json.at("hashed_parts").get_to(header.hashed_parts);
