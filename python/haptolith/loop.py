@@ -178,7 +178,7 @@ class Loop(Owned):
             status = _lib.hapto_loop_create(scene.address, self._own, flags, ctypes.byref(out))
         else:
             owns = [None if one is None else ctypes.pointer(_own_device(one, self._raised)) for one in device]
-            self._own = owns  # what the pointers point at
+            self._own = owns  # keeps alive the targets of the pointers
             pointers = (ctypes.POINTER(_abi.Device) * max(1, len(owns)))(*[own or ctypes.POINTER(_abi.Device)() for own in owns])
             status = _lib.hapto_loop_create_tools(scene.address, pointers, len(owns), flags, ctypes.byref(out))
         require(status)
