@@ -633,7 +633,8 @@ class ReplayOfTools : public ReplayTest {
         "[bed]\nwidth_mm = 300\nparticles = 600\n[loop]\nreal_time = false\n"
         "[safety]\nsoft_start_s = 0.1\nrecovery_s = 0.05\n[device]\nkind = 'network'\n"
         "[[tools]]\nname = 'left'\n[tools.mapping]\noffset_mm = [-80, 0, 85]\n"
-        "[[tools]]\nname = 'right'\n[tools.device]\naddress = '127.0.0.1:9051'\n[tools.mapping]\noffset_mm = [80, 0, 85]\n"
+        "[[tools]]\nname = 'right'\n[tools.device]\naddress = '127.0.0.1:9051'\n[tools.mapping]\noffset_mm = [80, 0, "
+        "85]\n"
         "[[tools]]\nname = 'wheel'\nshape = 'cylinder'\njoint_drive = 'torque'\njoint_axis = [0, 0, 1]\n"
         "joint_torque_nm = 0.01\njoint_inertia_kg_m2 = 0.01\n"
         "[tools.device]\nkind = 'virtual-hand'\n[tools.hand]\nmotion = 'press'\nturn_deg = [90, 0, 0]\n",

@@ -333,8 +333,7 @@ class Loop {
                        {"device_limits", limitsOf(*devices_[tool])},
                        {"has_joint", false}});
     }
-    return devices_.size() == 1 ? ""
-                                : tools.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return devices_.size() == 1 ? "" : tools.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   }
 
   void ask(const LoopRequest& request) {
@@ -386,7 +385,8 @@ std::int32_t with(const hapto_loop* loop, Body&& body) {
 
 namespace {
 
-/// Makes a loop of the scene. @param devices  of its first tools; without a count that it must have: of the first alone.
+/// Makes a loop of the scene. @param devices  of its first tools; without a count that it must have: of the first
+/// alone.
 std::int32_t createLoop(hapto_scene* scene, std::span<const hapto_device* const> devices, bool all_tools,
                         std::uint32_t flags, hapto_loop** out) {
   if (out == nullptr) {

@@ -292,10 +292,10 @@ LabTest wheelEntry() {
                    .usual = "the soil's",
                    .set = LabOption::Number([own](double deg) { own->options.friction_angle_rad = radians(deg); })},
                   {.key = "plate_modulus",
-                   .help = "k of p = k z^n in Pa/m^n, for the theory of Bekker and Wong",
+                   .help = "Factor k of p = k z^n in Pa/m^n, for the theory of Bekker and Wong",
                    .usual = "not compared",
                    .set = LabOption::Number([own](double modulus) { own->options.plate.modulus = modulus; })},
-                  numberOption("plate_exponent", options.plate.exponent, "n of p = k z^n"),
+                  numberOption("plate_exponent", options.plate.exponent, "Exponent n of p = k z^n"),
                   textOption(
                       "measured", own->measured_file,
                       "Table of measured settings to simulate and to compare with (.csv), of these slips and angles")},
