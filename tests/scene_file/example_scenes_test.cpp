@@ -87,13 +87,13 @@ TEST(ExampleScenes, OneHandTipsItsLoadIntoTheScoopOfTheOther) {
   const auto load = [&](std::size_t tool) {
     const Bed& bed = two.scene.bed();
     const Pose& pose = two.scene.toolPose(tool);
-    return std::count_if(bed.state().position.begin(),
-                         bed.state().position.begin() + static_cast<std::ptrdiff_t>(bed.particles()),
-                         [&](const Float4& at) {
-                           const Vec3 in_tool = pose.orientation.conjugate() * (Vec3(at.x, at.y, at.z) - pose.position_m);
-                           return std::abs(in_tool.x()) < 0.03 && std::abs(in_tool.y()) < 0.0225 &&
-                                  in_tool.z() > -0.011 && in_tool.z() < 0.02;
-                         });
+    return std::count_if(
+        bed.state().position.begin(), bed.state().position.begin() + static_cast<std::ptrdiff_t>(bed.particles()),
+        [&](const Float4& at) {
+          const Vec3 in_tool = pose.orientation.conjugate() * (Vec3(at.x, at.y, at.z) - pose.position_m);
+          return std::abs(in_tool.x()) < 0.03 && std::abs(in_tool.y()) < 0.0225 && in_tool.z() > -0.011 &&
+                 in_tool.z() < 0.02;
+        });
   };
   two.run(4);
   EXPECT_GT(load(0), 40) << "lifted";
