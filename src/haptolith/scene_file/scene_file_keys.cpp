@@ -502,7 +502,7 @@ std::span<const SceneFileKey> keysOfTools() {
   static const std::vector<SceneFileKey> kKeys = [] {
     std::vector<SceneFileKey> keys;
     std::ranges::copy_if(sceneFileKeys(), std::back_inserter(keys), isOfTool);
-    std::ranges::stable_partition(keys, [](const SceneFileKey& key) { return key.table == "tool"; });
+    std::stable_partition(keys.begin(), keys.end(), [](const SceneFileKey& key) { return key.table == "tool"; });
     return keys;
   }();
   return kKeys;
