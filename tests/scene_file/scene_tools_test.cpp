@@ -83,6 +83,12 @@ TEST(SceneTools, AreChangedByNameOrAllTogether) {
   EXPECT_EQ(later.tool.friction, 0.2);
 }
 
+TEST(SceneTools, AreRefusedWhereOnlyOneIsExamined) {
+  EXPECT_NO_THROW(requireOneTool(with("[bed]\nseed = 1\n"), "a robot"));
+  EXPECT_THAT([] { requireOneTool(with(kTwo), "a robot"); },
+              testing::ThrowsMessage<InvalidParameter>(HasSubstr("a scene with one tool for a robot")));
+}
+
 TEST(SceneTools, MeshesArePutTogetherOfTheirOwnParts) {
   const SceneFile scene = with(
       "[tool]\nshape = 'sphere'\n[[tools]]\nname = 'a'\n[[tools.tool_part]]\nsize_mm = [5, 60, 30]\n"

@@ -87,6 +87,7 @@ void runRobot(const RobotOptions& options) {
   EndOptions end = options.end.end();
   end.listen = options.listen;
   requireSafe("listen", end.listen, end);
+  requireOneTool(scene_file, "a robot");
   auto scene = std::make_unique<Scene>(scene_file.bed, scene_file.tool, settlingIn(status));
   SiteRobot site(scene_file, std::move(scene), options.robot, end);
   const Robot& robot = site.robot();

@@ -57,6 +57,13 @@ std::vector<std::string_view> toolNames(const SceneFile& scene_file) {
   return names;
 }
 
+void requireOneTool(const SceneFile& scene_file, std::string_view what) {
+  if (!scene_file.more_tools.empty()) {
+    throw InvalidParameter("scenario", fmt::format("'{}' with {} tools", scene_file.title, toolCount(scene_file)),
+                           fmt::format("a scene with one tool for {}", what));
+  }
+}
+
 ToolSet toolSet(const SceneFile& scene_file) {
   std::vector<ToolParameters> tools{scene_file.tool};
   for (const SceneTool& tool : scene_file.more_tools) {

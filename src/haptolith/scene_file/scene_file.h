@@ -69,6 +69,9 @@ struct SceneFile {
 /// @throws InvalidParameter for a name that a tool cannot have.
 void requireToolName(std::string_view name);
 
+/// Refuses a scene with several tools, for what moves or examines only one. @throws InvalidParameter.
+void requireOneTool(const SceneFile& scene_file, std::string_view what);
+
 /// Parameters of all tools, in order.
 [[nodiscard]] ToolSet toolSet(const SceneFile& scene_file);
 

@@ -196,6 +196,7 @@ Picture pictureOf(const std::vector<Vec3>& before_m, const std::vector<Vec3>& af
 }
 
 LevelBed levelBed(const SceneFile& scene_file, const SettleProgress& progress) {
+  requireOneTool(scene_file, "simulated explorations");
   const Scene scene(scene_file.bed, scene_file.tool, progress);
   return {.lying = scene.bed().lying(), .surface_m = scene.bed().surfaceHeight()};
 }

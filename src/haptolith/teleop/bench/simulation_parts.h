@@ -18,7 +18,9 @@ inline constexpr std::uint64_t kLookEvery = 250;
 /// A bed with its tool, and where its soil's surface is.
 struct Site {
   explicit Site(const SceneFile& scene_file)
-      : scene(scene_file.bed, scene_file.tool), surface_m(meanSurfaceHeight(scene.bed())) {}
+      : scene(scene_file.bed, scene_file.tool), surface_m(meanSurfaceHeight(scene.bed())) {
+    requireOneTool(scene_file, "a robot");
+  }
 
   /// Over the surface that it began with.
   [[nodiscard]] std::vector<double> heights(const HeightGrid& grid) const {
