@@ -239,7 +239,7 @@ HAPTO_API int32_t hapto_scene_change(hapto_scene *scene, const char *const *over
 HAPTO_API int32_t hapto_scene_tools(const hapto_scene *scene, uint32_t *count); /* [1 kHz] */
 /* Name of a tool, "tool" in a scene without [[tools]]; valid until the scene is destroyed. [1 kHz] */
 HAPTO_API int32_t hapto_scene_tool_name(const hapto_scene *scene, uint32_t tool, const char **name);
-/* Number of the tool with a name. HAPTO_INVALID_PARAMETER with the names when there is none. */
+/* Number of the tool with a name. HAPTO_INVALID_PARAMETER, which lists the names, for an unknown one. */
 HAPTO_API int32_t hapto_scene_find_tool(const hapto_scene *scene, const char *name, uint32_t *tool);
 
 /* One tick of all tools, as hapto_scene_step(): poses[k], twists[k] (or NULL) give soil_wrenches[k] (or NULL).

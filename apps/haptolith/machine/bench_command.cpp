@@ -118,7 +118,7 @@ void settle(Scene& scene) {
 struct BenchScene {
   std::string what;
   BedParameters bed;
-  ToolSet tools;
+  ToolParameters tool;
   HandParameters hand;
 };
 
@@ -126,7 +126,7 @@ BenchRow measure(const BenchOptions& options, const BenchScene& made_of, StatusL
   const std::string& what = made_of.what;
   status.update(what + ": the bed is settling");
   const std::int64_t start_ns = monotonicNs();
-  Scene scene(made_of.bed, made_of.tools);
+  Scene scene(made_of.bed, made_of.tool);
   const std::int64_t made_ns = monotonicNs() - start_ns;
   settle(scene);
   HandParameters hand = made_of.hand;
@@ -167,8 +167,8 @@ std::vector<BenchScene> scenesOf(const BenchOptions& options) {
   for (const std::string& file : options.scenes) {
     for (const int threads : options.threads) {
       const SceneFile scene = findSceneFile(file);
-      scenes.push_back(
-          {fmt::format("{}, {}", file, pluralise(threads, "thread")), scene.bed, toolSet(scene), scene.hand});
+      requireOneTool(scene, "timings");
+      scenes.push_back({fmt::format("{}, {}", file, pluralise(threads, "thread")), scene.bed, scene.tool, scene.hand});
       BedParameters& bed = scenes.back().bed;
       bed.threads = threads;
       letSleep(bed, options);

@@ -144,7 +144,7 @@ export class PointerHand {
     return this.caster.ray.intersectPlane(plane, new Vector3());
   }
 
-  /** Returns the number of the tool under the pointer that this hand has or may choose; null: there is none. */
+  /** Returns the number of the tool under the pointer that this hand has or may choose, or null. */
   private toolUnder(event: PointerEvent, generosity: number): number | null {
     const { height } = this.canvas.getBoundingClientRect();
     const pixel_m = this.stage.orbit.metresPerPixel(height);

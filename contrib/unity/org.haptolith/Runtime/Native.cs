@@ -505,7 +505,7 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_tool_name(IntPtr scene, uint tool, byte** name);
 
-    /// <summary>Number of the tool with a name. HAPTO_INVALID_PARAMETER with the names when there is none.</summary>
+    /// <summary>Number of the tool with a name. HAPTO_INVALID_PARAMETER, which lists the names, for an unknown one.</summary>
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_scene_find_tool(IntPtr scene, byte* name, uint* tool);
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/math/portable_math.h"
 #include "haptolith/core/statistics.h"
 #include "haptolith/core/turn.h"
 #include "haptolith/tool/tool_contact.h"
@@ -37,17 +37,11 @@ std::shared_ptr<const ToolMesh> withGrousers(const WheelShape& wheel, const Tool
                                              const SoilParameters& soil) {
   const double radius_m = wheel.diameter_m / 2;
   const double inside_m = std::min(radius_m / 4, 2e-3);
-  std::vector<ToolPart> parts(1);
-  parts[0] = {.form = ToolPartForm::kCylinder, .diameter_m = wheel.diameter_m, .length_m = wheel.width_m};
-  for (int i = 0; i < wheel.grousers; ++i) {
-    const double angle = 2 * std::numbers::pi * i / wheel.grousers;
-    const double middle_m = radius_m + (wheel.grouser_height_m - inside_m) / 2;
-    ToolPart bar;
-    bar.size_m = {wheel.grouser_height_m + inside_m, wheel.grouser_thickness_m, wheel.width_m};
-    bar.at_m = {middle_m * portable::cos(angle), middle_m * portable::sin(angle), 0};
-    bar.turn_rad = {0, 0, angle};
-    parts.push_back(bar);
-  }
+  const std::array parts{
+      ToolPart{.form = ToolPartForm::kCylinder, .diameter_m = wheel.diameter_m, .length_m = wheel.width_m},
+      ToolPart{.size_m = {wheel.grouser_height_m + inside_m, wheel.grouser_thickness_m, wheel.width_m},
+               .at_m = {radius_m + (wheel.grouser_height_m - inside_m) / 2, 0, 0},
+               .copies = wheel.grousers}};
   ToolMeshSource source;
   source.name = "wheel with grousers";
   source.bytes = std::make_shared<const std::string>(drawn(parts));
