@@ -166,11 +166,11 @@ ToolParameters wheelTool(const WheelShape& wheel, const SoilParameters& soil) {
 std::vector<WheelReading> runWheel(LabBed& bed, const WheelRun& run) {
   validate(run, bed);
   const Quat hub = hubOf(run);
-  const auto poseAt = [&](double axle_z_m) {
+  const auto pose_at = [&](double axle_z_m) {
     return Pose{Vec3(run.start_x_m, 0, axle_z_m) - hub * run.tool.joint.point_m, hub};
   };
   bed.driveJoint(0);
-  bed.placeTool(poseAt(bed.bed().surfaceHeight() + run.below_m));
+  bed.placeTool(pose_at(bed.bed().surfaceHeight() + run.below_m));
   const auto require_above_floor = [&] {
     if (bed.toolPose().fromBody(run.tool.joint.point_m).z() < run.below_m) {
       throw Failure(
