@@ -58,7 +58,7 @@ class TripFilesTest : public testing::Test {
 
 TEST_F(TripFilesTest, SayWhyAndKeepTheTicksBefore) {
   TripFiles trips;
-  EXPECT_THAT(trips.tell(at(1.25), "no answer from the handle"),
+  EXPECT_THAT(trips.tell(at(1.25), "", "no answer from the handle"),
               AllOf(HasSubstr("safety trip at 1.250 s"), HasSubstr(text(SafetyTrip::kStale)),
                     HasSubstr("no answer from the handle"),
                     HasSubstr("the last 2 ticks are in " + (kept() / "haptolith-trip-").string())));
@@ -73,28 +73,37 @@ TEST_F(TripFilesTest, SayWhyAndKeepTheTicksBefore) {
   EXPECT_THAT(trips.rest(), IsEmpty());
 }
 
+TEST_F(TripFilesTest, NameTheToolOfSeveral) {
+  TripFiles trips;
+  EXPECT_THAT(trips.tell(at(1), "left", ""), HasSubstr("safety trip at 1.000 s: left: "));
+  std::ifstream file(fs::directory_iterator(kept())->path());
+  std::string line;
+  std::getline(file, line);
+  EXPECT_EQ(line, fmt::format("# at 1.000 s: left: {}", text(SafetyTrip::kStale)));
+}
+
 TEST_F(TripFilesTest, StandWhereTheEnvironmentWantsThemAndHereWithoutAHome) {
   TripFiles trips;
   setenv("XDG_STATE_HOME", (folder_ / "states").c_str(), 1);
-  (void)trips.tell(at(1), "");
+  (void)trips.tell(at(1), "", "");
   EXPECT_EQ(filesIn(folder_ / "states/haptolith"), 1);
   unsetenv("XDG_STATE_HOME");
   unsetenv("HOME");
-  EXPECT_THAT(trips.tell(at(2), ""), HasSubstr("ticks are in haptolith-trip-"));
+  EXPECT_THAT(trips.tell(at(2), "", ""), HasSubstr("ticks are in haptolith-trip-"));
   EXPECT_EQ(filesIn(here()), 1);
 }
 
 TEST_F(TripFilesTest, EndAfterTwentyAndThenItIsToldOnceASecond) {
   TripFiles trips;
   for (int i = 0; i < 20; ++i) {
-    EXPECT_THAT(trips.tell(at(0.01 * i), ""), HasSubstr("the last 2 ticks are in")) << i;
+    EXPECT_THAT(trips.tell(at(0.01 * i), "", ""), HasSubstr("the last 2 ticks are in")) << i;
   }
   EXPECT_EQ(files(), 20);
   for (int i = 0; i < 50; ++i) {
-    EXPECT_THAT(trips.tell(at(0.2 + 0.01 * i), ""), IsEmpty()) << i;
+    EXPECT_THAT(trips.tell(at(0.2 + 0.01 * i), "", ""), IsEmpty()) << i;
   }
-  EXPECT_THAT(trips.tell(at(2), ""), AllOf(HasSubstr("50 more times before"), Not(HasSubstr("ticks are in"))));
-  EXPECT_THAT(trips.tell(at(2.1), ""), IsEmpty());
+  EXPECT_THAT(trips.tell(at(2), "", ""), AllOf(HasSubstr("50 more times before"), Not(HasSubstr("ticks are in"))));
+  EXPECT_THAT(trips.tell(at(2.1), "", ""), IsEmpty());
   EXPECT_THAT(trips.rest(), HasSubstr("1 more time"));
   EXPECT_EQ(files(), 20);
 }

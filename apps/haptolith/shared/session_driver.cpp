@@ -1,5 +1,6 @@
 #include "shared/session_driver.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <thread>
@@ -40,12 +41,16 @@ const SessionDriver::News& SessionDriver::look() {
     recording_.add(session_.snapshot());
   }
   news_.trip.clear();
-  auto& trips = session_.loop().trips();
-  if (trips.update()) {
-    news_.trip = trips_.tell(trips.latest(), session_.device().problem());
+  LatestValue<TripReport>& trips = session_.loop().trips();
+  const bool new_trip = trips.update();
+  const TripReport& trip = trips.latest();
+  const SceneFile& scene_file = session_.sceneFile();
+  const std::string_view tool = toolCount(scene_file) > 1 ? toolNames(scene_file).at(trip.tool) : "";
+  if (new_trip) {
+    news_.trip = trips_.tell(trip, tool, session_.device(trip.tool).problem());
   }
   if (!news_.trip.empty()) {
-    recording_.note("trip", trips.latest().time_s, trips.latest().reason());
+    recording_.note("trip", trip.time_s, tool.empty() ? trip.reason() : fmt::format("{}: {}", tool, trip.reason()));
     status_.clear();
     spdlog::warn("{}", news_.trip);
   }

@@ -23,15 +23,20 @@ namespace {
 constexpr std::uint64_t kMostFiles = 20;
 constexpr double kBetween_s = 1;
 
+std::string inFront(std::string_view tool) {
+  return tool.empty() ? "" : fmt::format("{}: ", tool);
+}
+
 /// @return the file's name. @throws Failure when it cannot be written.
-std::string writeTripFile(const TripReport& report) {
+std::string writeTripFile(const TripReport& report, std::string_view tool) {
   const std::filesystem::path folder = userStateFolder();  // else the current one
   if (std::error_code error; !folder.empty()) {
     std::filesystem::create_directories(folder, error);  // if that fails, the file reports why
   }
   std::string name = newFileName((folder / "haptolith-trip").string(), ".csv");
   AtomicFile file(name);
-  std::string text = fmt::format("# at {:.3f} s: {}\n", report.time_s, report.reason()) + csvHeader(tickColumns());
+  std::string text =
+      fmt::format("# at {:.3f} s: {}{}\n", report.time_s, inFront(tool), report.reason()) + csvHeader(tickColumns());
   for (std::size_t i = 0; i < report.count; ++i) {
     appendCsv(text, report.ticks[i]);
   }
@@ -42,7 +47,7 @@ std::string writeTripFile(const TripReport& report) {
 
 }  // namespace
 
-std::string TripFiles::tell(const TripReport& report, std::string_view problem) {
+std::string TripFiles::tell(const TripReport& report, std::string_view tool, std::string_view problem) {
   if (files_ == kMostFiles && report.time_s < told_s_ + kBetween_s) {
     ++untold_;
     return {};
@@ -55,14 +60,14 @@ std::string TripFiles::tell(const TripReport& report, std::string_view problem) 
   if (files_ < kMostFiles) {
     ++files_;
     try {
-      where = fmt::format("; the last {} ticks are in {}{}", report.count, writeTripFile(report),
+      where = fmt::format("; the last {} ticks are in {}{}", report.count, writeTripFile(report, tool),
                           files_ == kMostFiles ? ", the last such file of this run" : "");
     } catch (const Failure& failure) {
       where = fmt::format("; the last ticks could not be written: {}", failure.what());
     }
   }
-  return fmt::format("safety trip at {:.3f} s: {}{}{}{}", report.time_s, report.reason(), problem.empty() ? "" : ": ",
-                     problem, where);
+  return fmt::format("safety trip at {:.3f} s: {}{}{}{}{}", report.time_s, inFront(tool), report.reason(),
+                     problem.empty() ? "" : ": ", problem, where);
 }
 
 std::string TripFiles::rest() const {
