@@ -56,6 +56,7 @@ HapticLoop::HapticLoop(Scene& scene, std::span<const ToolHandling> hands, const 
       scene.setToolFade(0, tool);
     }
   }
+  targets_.resize(hands_.size());
 }
 
 HapticLoop::HapticLoop(Scene& scene, HapticDevice& device, const LoopParameters& parameters, bool keep_records,
@@ -116,11 +117,10 @@ LoopEnd HapticLoop::readHands() noexcept {
 
 LoopEnd HapticLoop::moveTools() noexcept {
   fadeTools();
-  std::array<HandState, ToolSet::kMost> targets;
   for (std::size_t i = 0; i < hands_.size(); ++i) {
-    targets[i] = hands_[i].target(*scene_);
+    targets_[i] = hands_[i].target(*scene_);
   }
-  const StepStatus status = scene_->tickAll({targets.data(), hands_.size()});
+  const StepStatus status = scene_->tickAll(targets_);
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     const Wrench& soil = scene_->soilWrench(i);
     if (status == StepStatus::kOk && !(soil.force_n.allFinite() && soil.torque_nm.allFinite())) {
