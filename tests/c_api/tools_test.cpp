@@ -272,6 +272,12 @@ TEST(LibraryTools, JointsTurnAsTheirDrivesSay) {
   EXPECT_NEAR(stateOf(scene.get(), 2).angle_rad, 0.7, 1e-9);
   (void)digWithAll(scene.get(), surface_m, 400, 410);
   EXPECT_NEAR(stateOf(scene.get(), 2).angle_rad, 0.75, 1e-9);
+
+  // A torque needs an inertia that the steps bear, as in a new scene.
+  const std::array<const char*, 4> torque{"tools.wheel.joint_drive='torque'", "tools.wheel.joint_axis=[0,0,1]",
+                                          "tools.wheel.joint_torque_nm=0.1", "tools.wheel.joint_inertia_kg_m2=1e-12"};
+  EXPECT_EQ(hapto_scene_change(scene.get(), torque.data(), torque.size()), HAPTO_INVALID_PARAMETER);
+  EXPECT_THAT(lastError().message, HasSubstr("joint_inertia_kg_m2"));
 }
 
 TEST(LibraryTools, NothingMovesWhenOnePoseIsWrong) {

@@ -403,7 +403,9 @@ SceneChanges SceneObject::planned(const std::vector<std::string>& overrides) con
     throw InvalidParameter("bed.threads", fmt::format("{}", wanted.bed.threads),
                            fmt::format("{} during the lifetime of the scene", scene_file_.bed.threads));
   }
-  const double stiffness_n_m = stiffnessInStep(toolSet(wanted).all(), wanted.bed.soil);
+  const ToolSet tools = toolSet(wanted);
+  const double stiffness_n_m = stiffnessInStep(tools.all(), wanted.bed.soil);
+  requireEnoughInertia(wanted.bed, tools, scene_->substeps());
   for (std::size_t i = 0; i < scene_->tools(); ++i) {
     const ToolParameters& tool = toolOf(wanted, i);
     if (tool == toolOf(scene_file_, i)) {

@@ -52,6 +52,15 @@ bool isNearBed(const BedParameters& bed, const Vec3& place_m) noexcept {
          std::abs(place_m.y()) <= bed.length_m / 2 + kBeside_m && place_m.z() >= -kBeside_m && place_m.z() <= kAbove_m;
 }
 
+void requireEnoughInertia(const BedParameters& bed, const ToolSet& tools, int substeps) {
+  for (const ToolParameters& tool : tools.all()) {
+    if (tool.joint.drive == Drive::kTorque || tool.joint.drive == Drive::kFree) {
+      requireInRange("joint_inertia_kg_m2", tool.joint.inertia_kg_m2,
+                     {leastInertia(tool, bed, bed.tick_s / substeps), JointRanges::inertia_kg_m2.highest});
+    }
+  }
+}
+
 ToolSet::ToolSet(std::vector<ToolParameters> tools) : tools_(std::move(tools)) {
   if (tools_.size() > kMost) {
     throw InvalidParameter("tools", fmt::format("{}", tools_.size()), fmt::format("at most {}", kMost));
@@ -69,12 +78,7 @@ int Scene::substepsOf(const BedParameters& bed, const ToolSet& tools) {
     }
   }
   const int substeps = substepsFor(bed, stiffnessInStep(tools.all(), bed.soil));
-  for (const ToolParameters& tool : tools.all()) {
-    if (tool.joint.drive == Drive::kTorque || tool.joint.drive == Drive::kFree) {
-      requireInRange("joint_inertia_kg_m2", tool.joint.inertia_kg_m2,
-                     {leastInertia(tool, bed, bed.tick_s / substeps), JointRanges::inertia_kg_m2.highest});
-    }
-  }
+  requireEnoughInertia(bed, tools, substeps);
   return substeps;
 }
 
@@ -235,7 +239,11 @@ StepStatus Scene::tickAll(std::span<const HandState> hands) noexcept {
   for (int substep = 1; substep <= substeps_ && status == StepStatus::kOk; ++substep) {
     const double share = static_cast<double>(substep) / substeps_;
     for (std::size_t i = 0; i < tools_.size(); ++i) {
-      meetSoil(tools_[i], i < hands.size() ? hands[i] : HandState{{tools_[i].pose, {}}, 1}, share, dt_s);
+      if (i < hands.size()) {
+        meetSoil(tools_[i], hands[i], share, dt_s);
+      } else {
+        meetSoil(tools_[i], HandState{{tools_[i].pose, {}}, 1}, share, dt_s);
+      }
     }
     status = bed_.step(dt_s);
   }

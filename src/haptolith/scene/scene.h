@@ -55,6 +55,9 @@ class ToolSet {
   std::vector<ToolParameters> tools_;
 };
 
+/// Refuses tools on joints with less inertia than a step bears. @throws InvalidParameter.
+void requireEnoughInertia(const BedParameters& bed, const ToolSet& tools, int substeps);
+
 /// A bed and tools in it: what stands between poses and wrenches. No device and no clock.
 ///
 /// Tools have numbers from 0 on. They meet the soil one after the other, at the same places of its particles; a

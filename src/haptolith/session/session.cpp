@@ -47,7 +47,8 @@ SceneFile forItsHand(SceneFile scene_file, const HapticDevice* device) {
 
 void requireEnoughSubsteps(const SceneFile& scene_file) {
   const BedParameters& bed = scene_file.bed;
-  (void)substepsFor(bed, stiffnessInStep(toolSet(scene_file).all(), scene_file.bed.soil));
+  const ToolSet tools = toolSet(scene_file);
+  requireEnoughInertia(bed, tools, substepsFor(bed, stiffnessInStep(tools.all(), bed.soil)));
 }
 
 bool sameTool(const ToolParameters& a, const ToolParameters& b) {
