@@ -28,6 +28,7 @@ void addImportCommand(CLI::App& app);
 void addSoilCommands(CLI::App& app);
 void addScenesCommand(CLI::App& app);
 void addLabCommand(CLI::App& app);
+void addTrustCommand(CLI::App& app);
 void addStudyCommand(CLI::App& app);
 void addIdentifyCommand(CLI::App& app);
 void addTeleopCommand(CLI::App& app);

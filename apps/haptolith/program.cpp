@@ -32,11 +32,15 @@ struct CommandElsewhere {
   std::string_view description;
 };
 
-constexpr std::array kElsewhere{
-    CommandElsewhere{"lab", kLabDescription},       CommandElsewhere{"soil calibrate", kSoilCalibrateDescription},
-    CommandElsewhere{"study", kStudyDescription},   CommandElsewhere{"identify", kIdentifyDescription},
-    CommandElsewhere{"teleop", kTeleopDescription}, CommandElsewhere{"ros2", kRos2Description},
-    CommandElsewhere{"bench", kBenchDescription},   CommandElsewhere{"completion", kCompletionDescription}};
+constexpr std::array kElsewhere{CommandElsewhere{"lab", kLabDescription},
+                                CommandElsewhere{"trust", kTrustDescription},
+                                CommandElsewhere{"soil calibrate", kSoilCalibrateDescription},
+                                CommandElsewhere{"study", kStudyDescription},
+                                CommandElsewhere{"identify", kIdentifyDescription},
+                                CommandElsewhere{"teleop", kTeleopDescription},
+                                CommandElsewhere{"ros2", kRos2Description},
+                                CommandElsewhere{"bench", kBenchDescription},
+                                CommandElsewhere{"completion", kCompletionDescription}};
 
 /// Folder of the installed workbench, relative to that of this program.
 constexpr const char* kInstalled = HAPTOLITH_WORKBENCH_FROM_PROGRAM;

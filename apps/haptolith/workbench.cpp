@@ -10,6 +10,7 @@ void addCommands(CLI::App& app) {
   addProgramCommands(app);
   addSoilCalibrateCommand(*app.get_subcommand("soil"));
   addLabCommand(app);
+  addTrustCommand(app);
   addStudyCommand(app);
   addIdentifyCommand(app);
   addTeleopCommand(app);

@@ -5,6 +5,7 @@ namespace haptolith {
 // Descriptions of the commands of `haptolith-workbench`, also listed by the help of `haptolith`.
 
 inline constexpr const char* kLabDescription = "Simulate soil-mechanics tests of the particle bed";
+inline constexpr const char* kTrustDescription = "Find out how far the force of a scene can be believed";
 inline constexpr const char* kSoilCalibrateDescription =
     "Calibrate particles to a friction angle, cohesion and bulk density";
 inline constexpr const char* kStudyDescription = "Run user studies: from the protocol to the psychometric curve";

@@ -154,6 +154,8 @@ class Scene {
   [[nodiscard]] Pose turnedToolPose(std::size_t tool = 0) const noexcept { return at(tool).turnedPose(); }
   [[nodiscard]] const ToolMemory& toolMemory(std::size_t tool = 0) const noexcept { return at(tool).memory; }
   [[nodiscard]] int substeps() const noexcept { return substeps_; }
+  /// `times` as many substeps as are needed, to compare steps.
+  void refineSteps(int times) noexcept { substeps_ *= times; }
   /// As Bed::hash(), with what the tools remember of their contacts. May be called in the tick.
   [[nodiscard]] std::uint64_t hash(std::size_t part = 0, std::size_t parts = 1) const noexcept;
   /// Bytes of memory in use, bed and tools together.

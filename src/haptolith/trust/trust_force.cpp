@@ -1,0 +1,232 @@
+#include "haptolith/trust/trust_force.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "haptolith/core/clock.h"
+#include "haptolith/core/error.h"
+#include "haptolith/device/hand/virtual_hand.h"
+#include "haptolith/haptics/loop/haptic_loop.h"
+#include "haptolith/lab/tests/shear.h"
+#include "haptolith/tool/tool_shape.h"
+
+namespace haptolith {
+
+namespace {
+
+/// A scene with its hand, ready to move.
+class MovingScene {
+ public:
+  MovingScene(const TrustRun& run, int threads, const TrustProgress& progress)
+      : file_(prepared(run, threads)), scene_(file_.bed, toolSet(file_), settling(progress)) {
+    if (run.step_factor > 1) {
+      scene_.refineSteps(run.step_factor);
+    }
+    surface_m_ = scene_.bed().surfaceHeight();
+    if (!file_.hand.surface_m) {
+      file_.hand.surface_m = surface_m_;
+    } else if (run.surface_over_soil_m) {
+      file_.hand.surface_m = surface_m_ + *run.surface_over_soil_m;
+    }
+    HandlingParameters handling = handlingOf(file_, *file_.hand.surface_m);
+    handling.mapping.offset_m += run.shift_m;
+    hand_ = std::make_unique<VirtualHand>(file_.hand, file_.bed.tick_s);
+    loop_ = std::make_unique<HapticLoop>(scene_, *hand_, file_.loop, false, handling);
+  }
+
+  /// One tick. @return whether the movement goes on. @throws Failure when it cannot.
+  bool tick() {
+    const LoopEnd end = loop_->tick();
+    if (end == LoopEnd::kRunning || end == LoopEnd::kFinished) {
+      return end == LoopEnd::kRunning;
+    }
+    throw Failure(fmt::format("the movement ended at {:.3f} s: {}", loop_->time(), text(end)));
+  }
+
+  [[nodiscard]] Scene& scene() noexcept { return scene_; }
+  [[nodiscard]] const SceneFile& file() const noexcept { return file_; }
+  [[nodiscard]] double surface() const noexcept { return surface_m_; }
+
+ private:
+  static SceneFile prepared(const TrustRun& run, int threads) {
+    SceneFile file = run.scene;
+    file.bed.threads = threads;
+    file.loop.real_time = false;
+    file.loop.duration_s = 0;
+    file.device = {};  // the scene's movement, whatever device it names
+    return file;
+  }
+
+  static SettleProgress settling(const TrustProgress& progress) {
+    if (!progress) {
+      return {};
+    }
+    return [progress](double time_s, double) {
+      constexpr double kUsual_s = 2;
+      return progress("the soil settles", 0.5 * (1 - std::exp(-time_s / kUsual_s)));
+    };
+  }
+
+  SceneFile file_;
+  Scene scene_;
+  double surface_m_ = 0;
+  std::unique_ptr<VirtualHand> hand_;
+  std::unique_ptr<HapticLoop> loop_;
+};
+
+/// The reach so far, with the tool where it is now.
+void extend(TrustReach& reach, const Scene& scene, double surface_m) {
+  const ToolCorners box = cornersOf(scene.tool());
+  const Pose pose = scene.turnedToolPose();
+  const BedParameters& bed = scene.bed().parameters();
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto end = [&](int axis) { return (corner >> axis & 1) == 0 ? box.low_m[axis] : box.high_m[axis]; };
+    const Vec3 at = pose.position_m + pose.orientation * Vec3(end(0), end(1), end(2));
+    reach.to_floor_m = std::min(reach.to_floor_m, at.z());
+    if (at.z() < surface_m) {
+      reach.depth_m = std::max(reach.depth_m, surface_m - at.z());
+      reach.to_wall_x_m = std::min(reach.to_wall_x_m, bed.width_m / 2 - std::abs(at.x()));
+      reach.to_wall_y_m = std::min(reach.to_wall_y_m, bed.length_m / 2 - std::abs(at.y()));
+    }
+  }
+}
+
+double meanOf(const std::vector<double>& numbers, std::size_t first, std::size_t count) {
+  double sum = 0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    sum += numbers[i];
+  }
+  return sum / static_cast<double>(count);
+}
+
+/// Mean, peak and windows of the magnitudes, one for each tick.
+void summarise(const std::vector<double>& force_n, double tick_s, TrustForce& force) {
+  if (force_n.empty()) {
+    return;
+  }
+  force.mean_n = meanOf(force_n, 0, force_n.size());
+  const auto ticksOf = [&](double time_s) { return static_cast<std::size_t>(std::lround(time_s / tick_s)); };
+  const std::size_t window = ticksOf(TrustForce::kWindow_s);
+  for (std::size_t first = 0; first + window <= force_n.size(); first += window) {
+    force.window_n.push_back(meanOf(force_n, first, window));
+  }
+  const std::size_t peak = std::min(ticksOf(TrustForce::kPeak_s), force_n.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < force_n.size(); ++i) {
+    sum += force_n[i] - (i >= peak ? force_n[i - peak] : 0);
+    if (i + 1 >= peak) {
+      force.peak_n = std::max(force.peak_n, sum / static_cast<double>(peak));
+    }
+  }
+}
+
+void requireGoingOn(const TrustProgress& progress, std::string_view what, double fraction) {
+  if (progress && !progress(what, fraction)) {
+    throw Failure("interrupted");
+  }
+}
+
+std::size_t ticksFor(const SceneFile& scene, double duration_s) {
+  return static_cast<std::size_t>(std::lround(duration_s / scene.bed.tick_s));
+}
+
+}  // namespace
+
+TrustForce measureForce(const TrustRun& run, double duration_s, int threads, const TrustProgress& progress) {
+  const std::int64_t began_ns = monotonicNs();
+  MovingScene movement(run, threads, progress);
+  Scene& scene = movement.scene();
+  TrustForce force;
+  force.surface_m = movement.surface();
+  force.particles = scene.bed().particles();
+  force.substeps = scene.substeps();
+  const std::int64_t settled_ns = monotonicNs();
+  const double energy_before_j = scene.bed().energy();
+  constexpr double kFar_m = std::numeric_limits<double>::max();
+  force.reach = {.depth_m = 0, .to_floor_m = kFar_m, .to_wall_x_m = kFar_m, .to_wall_y_m = kFar_m};
+
+  const std::size_t ticks = ticksFor(run.scene, duration_s);
+  std::vector<double> force_n;
+  force_n.reserve(ticks);
+  constexpr std::size_t kTicksPerLook = 20;
+  Pose before = scene.toolPose();
+  bool going_on = true;
+  while (going_on && force_n.size() < ticks) {
+    going_on = movement.tick();
+    const Wrench& soil = scene.soilWrench();
+    const Pose& now = scene.toolPose();
+    force_n.push_back(soil.force_n.norm());
+    if (force_n.size() > 1) {  // in the first tick it is placed
+      force.work_j -= soil.force_n.dot(now.position_m - before.position_m) +
+                      soil.torque_nm.dot(rotationBetween(before.orientation, now.orientation));
+    }
+    before = now;
+    if (force_n.size() % kTicksPerLook == 0) {
+      extend(force.reach, scene, force.surface_m);
+      requireGoingOn(progress, "the tool moves",
+                     0.5 + 0.5 * static_cast<double>(force_n.size()) / static_cast<double>(ticks));
+    }
+  }
+  summarise(force_n, run.scene.bed.tick_s, force);
+  force.energy_gain_j = scene.bed().energy() - energy_before_j;
+  force.hash = scene.hash();
+  force.settling_s = 1e-9 * static_cast<double>(settled_ns - began_ns);
+  force.movement_s = 1e-9 * static_cast<double>(monotonicNs() - settled_ns);
+  return force;
+}
+
+TrustBits checkBits(const TrustRun& run, double duration_s, const TrustProgress& progress) {
+  MovingScene moving(run, 1, progress);
+  const SceneFile& file = moving.file();
+  Scene& one = moving.scene();
+  BedParameters on_two = file.bed;
+  on_two.threads = 2;
+  Scene two(on_two, toolSet(file));
+  std::unique_ptr<Scene> continued;
+
+  // What the soil answers does not move the hand here: all scenes get the same movement.
+  VirtualHand hand(file.hand, file.bed.tick_s);
+  const auto target = [&] {
+    const DeviceInput input = hand.read();
+    return HandState{{input.pose, input.twist}, input.gripper_open};
+  };
+  one.placeTool(target());
+  two.placeTool({{one.toolPose(), {}}, 1});
+  const std::size_t ticks = ticksFor(run.scene, duration_s);
+  for (std::size_t tick = 0; tick < ticks; ++tick) {
+    if (tick % 100 == 0) {
+      requireGoingOn(progress, "bits are compared", static_cast<double>(tick) / static_cast<double>(ticks));
+    }
+    if (tick == ticks / 2) {
+      continued = std::make_unique<Scene>(file.bed, toolSet(file), one.save());
+    }
+    const HandState hand_now = target();
+    for (Scene* scene : {&one, &two, continued.get()}) {
+      if (scene != nullptr && scene->tick(hand_now) != StepStatus::kOk) {
+        throw Failure("the movement could not be rendered");
+      }
+    }
+  }
+  return {.threads = one.hash() == two.hash(), .restart = continued && one.hash() == continued->hash()};
+}
+
+TrustStrength measureStrength(const SoilParameters& soil, const SoilTarget& target, double gravity_m_s2, int threads,
+                              const TrustProgress& progress) {
+  const ShearResult sheared =
+      shearTest({.soil = soil, .gravity_m_s2 = gravity_m_s2, .seed = 1, .threads = threads, .progress = progress});
+  const MohrCoulomb& line = target.strength == SoilStrength::kPeak ? sheared.peak : sheared.residual;
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  return {.asked_deg = target.friction_angle_deg,
+          .shown_deg = kDegrees * line.friction_angle_rad,
+          .error_deg = kDegrees * line.friction_angle_se_rad,
+          .asked_pa = target.cohesion_pa,
+          .shown_pa = line.cohesion_pa,
+          .error_pa = line.cohesion_se_pa};
+}
+
+}  // namespace haptolith

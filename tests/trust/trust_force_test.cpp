@@ -1,0 +1,71 @@
+#include "haptolith/trust/trust_force.h"
+
+#include <gmock/gmock.h>
+
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "haptolith/core/error.h"
+
+namespace haptolith {
+namespace {
+
+constexpr double kDuration_s = 2;
+
+TrustRun runOf(const std::vector<std::string>& overrides = {}, TrustChange change = TrustChange::kNone) {
+  return *planned(changed(findSceneFile("icra2021"), overrides), change, 0).run;
+}
+
+TEST(TrustForce, SummarisesTheMovement) {
+  const TrustForce force = measureForce(runOf({"hand.motion='press'", "hand.compliance='rigid'"}), kDuration_s, 1);
+  EXPECT_GT(force.mean_n, 0);
+  EXPECT_GT(force.peak_n, force.mean_n);
+  ASSERT_EQ(force.window_n.size(), 8U) << "of 0.25 s";
+  EXPECT_NEAR(std::accumulate(force.window_n.begin(), force.window_n.end(), 0.0) / 8, force.mean_n, 1e-12);
+  EXPECT_EQ(force.particles, 256U);
+  EXPECT_NEAR(force.reach.depth_m, 0.02 + 0.005 / 2, 5e-4) << "the hand's depth and half of the tool's height";
+  EXPECT_NEAR(force.reach.to_floor_m, force.surface_m - force.reach.depth_m, 1e-9);
+  EXPECT_NEAR(force.reach.to_wall_x_m, 0.063 - 0.025, 2e-3);
+  EXPECT_GT(force.work_j, 0);
+  EXPECT_LT(force.energy_gain_j, force.work_j) << "soil makes no energy";
+}
+
+TEST(TrustForce, IsTheSameOnAnyNumberOfThreadsAndEveryTime) {
+  const TrustForce one = measureForce(runOf(), 0.5, 1), two = measureForce(runOf(), 0.5, 2);
+  EXPECT_EQ(one.hash, two.hash);
+  EXPECT_EQ(one.mean_n, two.mean_n);
+  const TrustBits bits = checkBits(runOf(), 0.5);
+  EXPECT_TRUE(bits.threads);
+  EXPECT_TRUE(bits.restart);
+}
+
+TEST(TrustForce, TakesStepsHalfAsLong) {
+  const TrustForce usual = measureForce(runOf(), 0.5, 1), halved = measureForce(runOf({}, TrustChange::kStep), 0.5, 1);
+  EXPECT_EQ(halved.substeps, 2 * usual.substeps);
+  EXPECT_NE(halved.hash, usual.hash);
+}
+
+// A hand whose surface is given moves as deep below that of deeper soil.
+TEST(TrustForce, FollowsTheSurfaceOfDeeperSoil) {
+  const std::vector<std::string> overrides{"hand.motion='press'", "hand.compliance='rigid'", "hand.surface_mm=36"};
+  const TrustForce usual = measureForce(runOf(overrides), kDuration_s, 1);
+  TrustRun deep = runOf(overrides, TrustChange::kDeep);
+  deep.surface_over_soil_m = 0.036 - usual.surface_m;
+  const TrustForce below = measureForce(deep, kDuration_s, 1);
+  EXPECT_GT(below.surface_m, usual.surface_m + 0.02);
+  EXPECT_NEAR(below.reach.depth_m, usual.reach.depth_m, 1e-6);
+}
+
+TEST(TrustForce, CanBeInterrupted) {
+  EXPECT_THROW(
+      (void)measureForce(runOf(), kDuration_s, 1, [](std::string_view, double fraction) { return fraction < 0.6; }),
+      Failure);
+}
+
+TEST(TrustForce, RefusesAMovementThatLeaves) {
+  EXPECT_THROW((void)measureForce(runOf({"hand.home_mm=[5000, 0, 85]"}), kDuration_s, 1), Failure);
+}
+
+}  // namespace
+}  // namespace haptolith
