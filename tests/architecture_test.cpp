@@ -72,7 +72,7 @@ const std::map<std::string, Folders> kArrows = {
     {"study/perception", {"study/results"}},
     {"study/run", {"study/perception"}},
     // The base of other programs, through C: neither files of recordings, nor pages, nor studies.
-    {"c_api", {"machine", "device/drivers", "lab/catalogue", "psychometrics"}},
+    {"c_api", {"machine", "device/drivers", "lab/catalogue", "trust", "psychometrics"}},
     {"c_api/recording", {"c_api", "recording"}},
     // The laboratory turned round: from forces to soil.
     {"identify/training", {"lab/tests"}},

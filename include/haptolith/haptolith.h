@@ -356,6 +356,16 @@ HAPTO_API int32_t hapto_soil_calibrate(const char *target, hapto_progress progre
 HAPTO_API int32_t hapto_lab_test(const char *test, const hapto_soil *soil, const char *options, hapto_progress progress,
                                  void *user, hapto_result **out);
 
+/* How far the force of a scene's movement can be believed, as `haptolith trust` finds out (docs/reports/trust.md): the soil is
+ * simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene must have
+ * one tool, and is neither stepped nor changed; a virtual hand makes the movement that its file names.
+ * options  TOML: duration_s of the movement, 0.25 to 3600; specimens, 2 to 100; minutes, 0.1 to 10000; threads; NULL or "": one
+ *          motion of the hand, 5, 30, all.
+ * out      the numbers that `--json` prints: "sentence", "mean_within" and "peak_within" (relative, 90 %), "complaints", "effects".
+ * Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE; HAPTO_STOPPED. Not for the tick. */
+HAPTO_API int32_t hapto_scene_trust(const hapto_scene *scene, const char *options, hapto_progress progress, void *user,
+                                    hapto_result **out);
+
 /* --- psychometric functions ----------------------------------------------------------------------------------------------- */
 
 /* Fits a psychometric function to answers, as `haptolith study fit` does (docs/reference/psychometrics.md).

@@ -367,6 +367,14 @@ class Soil {
   detail::Unique<hapto_soil, hapto_soil_destroy> handle_;
 };
 
+/// hapto_scene_trust(): options in TOML, "minutes = 2".
+inline Result trust(const Scene &scene, const std::string &options = {}, const Progress &progress = {}) {
+  detail::ProgressCall told(progress);
+  hapto_result *made = nullptr;
+  told.require(hapto_scene_trust(scene.get(), options.c_str(), told.function(), &told, &made));
+  return Result(made);
+}
+
 /// hapto_lab_test(): options in TOML, "normal_pa = [300, 1000, 3000]".
 inline Result labTest(const std::string &test, const Soil &soil, const std::string &options = {}, const Progress &progress = {}) {
   detail::ProgressCall told(progress);

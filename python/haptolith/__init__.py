@@ -14,7 +14,7 @@ files, as keywords with two underscores: bed__threads=2 is [bed] threads = 2.
 from ._abi import library_version as _library_version
 from .batch import Batch
 from .errors import (Busy, Collapsed, Failure, HaptolithError, InvalidParameter, Stopped)
-from .lab import lab_test, lab_tests
+from .lab import lab_test, lab_tests, trust
 from .loop import Device, DeviceInput, Limits, Loop, Snapshot, TickFlag, Trip
 from .psychometrics import fit_psychometric
 from .safety import Safety, SafetyInfo
@@ -29,5 +29,5 @@ __all__ = [
     "Batch", "Busy", "Collapsed", "Device", "DeviceInput", "Failure", "HaptolithError", "InvalidParameter", "Joint", "Limits",
     "Loop", "Pose", "Safety", "SafetyInfo", "Scene", "SceneInfo", "Snapshot", "Soil", "Stopped", "TickFlag", "Tool", "Tools", "Trip",
     "Wrench",
-    "calibrate", "fit_psychometric", "lab_test", "lab_tests", "presets", "scenes", "soils",
+    "calibrate", "fit_psychometric", "lab_test", "lab_tests", "presets", "scenes", "soils", "trust",
 ]

@@ -194,6 +194,7 @@ SIGNATURES: dict[str, list[Any]] = {
     "hapto_soil_get_toml": [_H, _H, c_uint64, _COUNT],
     "hapto_soil_profile": [_H, c_double, c_double, _OUT],
     "hapto_soil_calibrate": [c_char_p, PROGRESS, _H, _OUT, _OUT],
+    "hapto_scene_trust": [_H, c_char_p, PROGRESS, _H, _OUT],
     "hapto_lab_test": [c_char_p, _H, c_char_p, PROGRESS, _H, _OUT],
     "hapto_psychometric_fit": [_H, c_uint64, c_char_p, _OUT],
     "hapto_device_limits_init": [POINTER(DeviceLimits)],

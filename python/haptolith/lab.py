@@ -1,4 +1,4 @@
-"""The soil laboratory."""
+"""The soil laboratory, and how far a force can be believed."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Optional, Union
 from . import _abi
 from ._long import Progress, call_long
 from .result import Result, names, take
+from .scene import Scene
 from .soil import Soil
 from .values import toml_value
 
@@ -15,6 +16,17 @@ from .values import toml_value
 def lab_tests() -> list[str]:
     """Names of the tests."""
     return names("lab tests")
+
+
+def trust(scene: Scene, *, progress: Optional[Progress] = None, **options: object) -> Result:
+    """Finds out how far the force of a scene's movement can be believed, as `haptolith trust` does: trust(scene, minutes=2).
+
+    options: duration_s, specimens, minutes, threads. The result has "sentence", "mean_within", "peak_within", "complaints" and
+    "effects". Takes minutes; Ctrl-C ends it."""
+    text = "".join(f"{key} = {toml_value(value)}\n" for key, value in options.items()).encode()
+    out = ctypes.c_void_p()
+    call_long(lambda told: int(_abi.lib.hapto_scene_trust(scene.address, text, told, None, ctypes.byref(out))), progress)
+    return take(out)
 
 
 def lab_test(test: str, soil: Union[str, Soil], *, progress: Optional[Progress] = None, **options: object) -> Result:

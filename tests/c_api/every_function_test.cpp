@@ -175,6 +175,13 @@ std::vector<Call> calls(Good& good) {
              hapto_lab_test("free-fall", h.soil, "fall_m = 0.02\nthreads = 1", nullptr, nullptr, &made);
          return status == HAPTO_OK ? hapto_result_destroy(made) : status;
        }},
+      {"hapto_scene_trust",
+       [&](const Handles& h) {
+         hapto_result* made = nullptr;
+         const std::int32_t status = hapto_scene_trust(
+             h.scene, "duration_s = 0.25\nspecimens = 2\nminutes = 0.1\nthreads = 1", nullptr, nullptr, &made);
+         return status == HAPTO_OK ? hapto_result_destroy(made) : status;
+       }},
       // The last ones: what they are given is no more.
       {"hapto_batch_destroy", [](const Handles& h) { return hapto_batch_destroy(h.batch); }},
       {"hapto_loop_destroy", [](const Handles& h) { return hapto_loop_destroy(h.loop); }},
@@ -329,6 +336,7 @@ TEST(EveryFunction, RefusesNullWhereThereMustBeSomething) {
   hapto_result* result = nullptr;
   EXPECT_EQ(hapto_lab_test(nullptr, h.soil, nullptr, nullptr, nullptr, &result), HAPTO_NULL);
   EXPECT_EQ(hapto_lab_test("free-fall", h.soil, nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
+  EXPECT_EQ(hapto_scene_trust(h.scene, nullptr, nullptr, nullptr, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_get(h.soil, "soil.radius_mm", nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_soil_profile(h.soil, 1, 0.1, nullptr), HAPTO_NULL);
   EXPECT_EQ(hapto_psychometric_fit(nullptr, 1, nullptr, &result), HAPTO_NULL);

@@ -110,5 +110,30 @@ TEST(LibraryLab, ATestCanBeStopped) {
   EXPECT_EQ(calibrated, nullptr);
 }
 
+TEST(LibraryTrust, SaysHowFarAForceCanBeBelieved) {
+  const ScenePtr scene = sceneOf("title = 'a shovel in icra2021'");
+  const std::uint64_t before = hashOf(scene.get());
+  const char* const options = "duration_s = 1\nspecimens = 2\nminutes = 1\nthreads = 2";
+  hapto_result* made = nullptr;
+  Told told;
+  expectOk(hapto_scene_trust(scene.get(), options, tell, &told, &made));
+  const ResultPtr verdict(made);
+  double within = 0;
+  expectOk(hapto_result_value(verdict.get(), "mean_within", &within));
+  EXPECT_GT(within, 0);
+  EXPECT_GT(told.calls, 0);
+  EXPECT_LE(told.furthest, 1);
+  const char* json = nullptr;
+  expectOk(hapto_result_json(verdict.get(), &json));
+  EXPECT_THAT(json, HasSubstr(R"("sentence":")"));
+  EXPECT_EQ(hashOf(scene.get()), before) << "the scene itself is left alone";
+
+  told = {.calls = 0, .furthest = 0, .give_up_after = 3};
+  EXPECT_EQ(hapto_scene_trust(scene.get(), options, tell, &told, &made), HAPTO_STOPPED);
+  EXPECT_EQ(hapto_scene_trust(scene.get(), "specimens = 1", nullptr, nullptr, &made), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(hapto_scene_trust(scene.get(), "minutes = nan", nullptr, nullptr, &made), HAPTO_INVALID_PARAMETER);
+  EXPECT_EQ(hapto_scene_trust(scene.get(), "seconds = 1", nullptr, nullptr, &made), HAPTO_INVALID_PARAMETER);
+}
+
 }  // namespace
 }  // namespace haptolith::library

@@ -89,6 +89,15 @@ def test_soils_have_numbers_and_profiles():
             wrong()
 
 
+def test_the_force_of_a_scene_has_a_bound():
+    with hp.Scene("icra2021") as scene:
+        verdict = hp.trust(scene, duration_s=0.5, specimens=2, minutes=0.5, threads=2)
+        assert verdict["sentence"].startswith(("Mean force within", "The force", "No force"))
+        assert {effect["change"] for effect in verdict["effects"]} >= {"wide-x", "deep", "radius", "step"} or verdict["mean_force_n"] == 0
+        with pytest.raises(hp.Error, match="specimens"):
+            hp.trust(scene, specimens=1)
+
+
 def test_the_laboratory_measures():
     told = []
     fall = hp.lab_test("free-fall", "dry-sand", fall_m=0.05, body="Mars", progress=lambda what, share: told.append(share))

@@ -14,9 +14,10 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/pluralise.h"
+#include "haptolith/core/process/stop_asked.h"
 #include "haptolith/lab/archive/report_folder.h"
 #include "haptolith/scene_file/scene_words.h"
-#include "haptolith/scene_file/soil_file.h"
+#include "haptolith/trust/trust_schedule.h"
 #include "haptolith/trust/trust_verdict.h"
 
 #include "commands.h"
@@ -37,8 +38,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Range kTrustSpecimens{2, 100};
-constexpr Range kTrustMinutes{0.1, 1e4};
 constexpr double kQuick_min = 2;
 constexpr const char* kPage = "trust.md";
 constexpr const char* kPageFigure = "trust.svg";
@@ -46,9 +45,7 @@ constexpr const char* kPageFigure = "trust.svg";
 struct TrustOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
-  int specimens = 5;
-  double minutes = 30;
-  std::vector<std::string> only;
+  TrustExtent extent;
   bool quick = false;
   std::string folder;
   bool resume = false, json = false;
@@ -56,15 +53,18 @@ struct TrustOptions {
   Overwrite overwrite;
 };
 
-/// A simulation: the unit that is run, saved and resumed.
-struct TrustPiece {
-  std::size_t row = 0;
-  TrustRun run;
-  std::string name;
-  double length_s = 0;
+/// Result of a run: what is saved and resumed.
+struct TrustResult {
   std::optional<TrustForce> force;
   std::string why_not;
 };
+
+/// Name of a run's file.
+std::string nameOf(const TrustRun& run) {
+  return run.change == TrustChange::kRadius
+             ? fmt::format("{}-{:.3g}-{}", nameOf(run.change), run.radius_ratio, run.specimen)
+             : fmt::format("{}-{}", nameOf(run.change), run.specimen);
+}
 
 Json forceJson(const TrustForce& force) {
   return {{"mean_n", force.mean_n},
@@ -123,18 +123,10 @@ class Examination {
   void report();
 
  private:
-  void measureOnce();
-  void plan();
-  void add(TrustChange change, int specimens, double radius_ratio = 1);
-  void take(TrustPiece& piece);
-  [[nodiscard]] bool takeSaved(TrustPiece& piece) const;
-  void measure(TrustPiece& piece, int threads, const TrustProgress& progress) const;
+  [[nodiscard]] std::vector<TrustForce> measureFirst();
+  [[nodiscard]] std::optional<TrustResult> saved(const TrustRun& run) const;
+  [[nodiscard]] TrustResult measured(const TrustRun& run, int threads, const TrustProgress& progress) const;
   void measureStrengthOnce();
-  [[nodiscard]] bool isWanted(std::string_view what) const {
-    return options_.only.empty() || std::ranges::find(options_.only, what) != options_.only.end();
-  }
-  [[nodiscard]] double budget() const { return 60 * (options_.quick ? kQuick_min : options_.minutes); }
-  [[nodiscard]] std::vector<TrustForces> forces() const;
   [[nodiscard]] std::string heading() const;
   [[nodiscard]] std::string command() const;
   void savePage(const TrustVerdict& verdict) const;
@@ -142,34 +134,25 @@ class Examination {
   TrustOptions options_;
   StatusLine status_;
   SceneFile scene_;
-  double duration_s_ = 0;
-  int threads_ = 1;
+  TrustExtent extent_;
   std::optional<ReportFolder> folder_;
-  std::vector<TrustForces> rows_;
-  std::vector<TrustPiece> pieces_;
-  double alone_s_ = 0;  ///< of the scene itself, once
-  std::optional<double> surface_over_soil_m_;
+  TrustSchedule schedule_;
   std::optional<TrustBits> bits_;
   std::optional<TrustStrength> strength_;
   double took_s_ = 0;
 };
 
-/// One motion of the scene's hand, or 2 s of a still one.
-double usualDuration(const SceneFile& scene) {
-  return scene.hand.motion == HandMotion::kStill ? 2 : scene.hand.period_s;
-}
-
 Examination::Examination(const TrustOptions& options)
-    : options_(options),
-      scene_(sceneFileFor(options.scene)),
-      duration_s_(options.duration_s.value_or(usualDuration(scene_))),
-      threads_(threadsFor(options.scene.threads.value_or(0))) {
+    : options_(options), scene_(sceneFileFor(options.scene)), extent_(options.extent) {
   requireOneTool(scene_, "a verdict");
   validate(scene_);
+  extent_.duration_s = options.duration_s.value_or(usualDuration(scene_));
+  extent_.threads = threadsFor(options.scene.threads.value_or(0));
+  extent_.minutes = options.quick ? kQuick_min : extent_.minutes;
   if (!options.folder.empty()) {
     const Json conditions{{"trust", "haptolith " HAPTOLITH_VERSION},
                           {"scene", sceneFileText(scene_)},
-                          {"duration_s", duration_s_},
+                          {"duration_s", extent_.duration_s},
                           {"simd", simdTarget()}};
     folder_.emplace(options.folder, conditions,
                     options.resume              ? ReportThere::kResume
@@ -179,193 +162,104 @@ Examination::Examination(const TrustOptions& options)
   }
 }
 
-bool Examination::takeSaved(TrustPiece& piece) const {
-  const std::optional<Json> saved = folder_ ? folder_->result(piece.name) : std::nullopt;
-  if (!saved) {
-    return false;
+std::optional<TrustResult> Examination::saved(const TrustRun& run) const {
+  const std::optional<Json> json = folder_ ? folder_->result(nameOf(run)) : std::nullopt;
+  if (!json) {
+    return std::nullopt;
   }
   try {
-    if (saved->contains("why_not")) {
-      piece.why_not = saved->at("why_not").get<std::string>();
-    } else {
-      piece.force = forceFrom(*saved);
-    }
+    return json->contains("why_not") ? TrustResult{{}, json->at("why_not").get<std::string>()}
+                                     : TrustResult{forceFrom(*json), {}};
   } catch (const Json::exception&) {
     throw Failure(fmt::format("{} is not a result of trust: remove it, and --resume repeats the run",
-                              folder_->resultFile(piece.name).string()));
+                              folder_->resultFile(nameOf(run)).string()));
   }
-  return true;
 }
 
-void Examination::measure(TrustPiece& piece, int threads, const TrustProgress& progress) const {
+/// Also a run that fails is a result.
+TrustResult Examination::measured(const TrustRun& run, int threads, const TrustProgress& progress) const {
+  TrustResult result;
   try {
-    piece.force = measureForce(piece.run, duration_s_, threads, progress);
+    result.force = measureForce(run, extent_.duration_s, threads, progress);
   } catch (const Failure& failure) {
-    if (std::string_view(failure.what()) == "interrupted") {
+    if (stopAsked()) {
       throw;
     }
-    piece.why_not = failure.what();
+    result.why_not = failure.what();
   } catch (const InvalidParameter& refused) {
-    piece.why_not = refused.what();
+    result.why_not = refused.what();
   }
   if (folder_) {
-    folder_->save(piece.name, piece.force ? forceJson(*piece.force) : Json{{"why_not", piece.why_not}});
+    folder_->save(nameOf(run), result.force ? forceJson(*result.force) : Json{{"why_not", result.why_not}});
   }
+  return result;
 }
 
-/// Adds a row with its runs, or with the reason why there are none.
-void Examination::add(TrustChange change, int specimens, double radius_ratio) {
-  TrustForces row{.change = change, .radius_ratio = radius_ratio, .specimens = {}, .why_not = {}};
-  row.specimens.resize(static_cast<std::size_t>(specimens));
-  for (int i = 0; i < specimens; ++i) {
-    PlannedRun plan = planned(scene_, change, static_cast<std::size_t>(i), radius_ratio);
-    if (!plan.run) {
-      row.why_not = plan.why_not;
-      row.specimens.clear();
-      break;
+std::vector<TrustForce> Examination::measureFirst() {
+  std::vector<TrustForce> first;
+  Progress progress(status_);
+  for (const TrustRun& run : firstRuns(scene_)) {
+    std::optional<TrustResult> result = saved(run);
+    if (!result) {
+      result = measured(run, extent_.threads, [&](std::string_view what, double fraction) {
+        return progress.tell(fmt::format("the scene as it is: {}", what), fraction);
+      });
     }
-    TrustPiece piece{
-        .row = rows_.size(), .run = std::move(*plan.run), .name = {}, .length_s = {}, .force = {}, .why_not = {}};
-    piece.run.surface_over_soil_m = change == TrustChange::kDeep ? surface_over_soil_m_ : std::nullopt;
-    piece.name = change == TrustChange::kRadius ? fmt::format("{}-{:.3g}-{}", nameOf(change), radius_ratio, i)
-                                                : fmt::format("{}-{}", nameOf(change), i);
-    piece.length_s = alone_s_ * relativeCost(change, radius_ratio);
-    pieces_.push_back(std::move(piece));
-  }
-  rows_.push_back(std::move(row));
-}
-
-/// The scene as it is: how long it takes decides what there is time for.
-void Examination::measureOnce() {
-  PlannedRun plan = planned(scene_, TrustChange::kNone, 0);
-  if (!plan.run) {
-    throw Failure(fmt::format("the scene cannot be examined: {}", plan.why_not));
-  }
-  TrustPiece piece{
-      .row = 0, .run = std::move(*plan.run), .name = "specimen-0", .length_s = {}, .force = {}, .why_not = {}};
-  if (!takeSaved(piece)) {
-    Progress progress(status_);
-    measure(piece, 1, [&](std::string_view what, double fraction) {
-      return progress.tell(fmt::format("the scene as it is: {}", what), fraction);
-    });
-    status_.clear();
-  }
-  if (!piece.force) {
-    throw Failure(fmt::format("the scene cannot be examined: {}", piece.why_not));
-  }
-  constexpr double kLeast_s = 0.2;
-  alone_s_ = std::max(kLeast_s, piece.force->settling_s + piece.force->movement_s);
-  if (scene_.hand.surface_m) {
-    surface_over_soil_m_ = *scene_.hand.surface_m - piece.force->surface_m;
-  }
-}
-
-/// What fits into the time, most telling first.
-void Examination::plan() {
-  const double budget_s = budget() * threads_;
-  double planned_s = 0;
-  const auto fits = [&](TrustChange change, int specimens, double radius_ratio) {
-    const double cost_s = alone_s_ * relativeCost(change, radius_ratio) * specimens;
-    if (planned_s + cost_s > budget_s) {
-      return false;
+    if (!result->force) {
+      throw Failure(fmt::format("the scene cannot be examined: {}", result->why_not));
     }
-    planned_s += cost_s;
-    return true;
-  };
-  const int specimens = options_.specimens;
-  const int some = std::min(specimens, 3);
-  (void)fits(TrustChange::kNone, specimens, 1);
-  add(TrustChange::kNone, specimens);
-  const auto addIfItFits = [&](TrustChange change) {
-    if (!isWanted(nameOf(change))) {
-      return;
-    }
-    const int count = fits(change, specimens, 1) ? specimens : fits(change, some, 1) ? some : 0;
-    if (count > 0) {
-      add(change, count);
-    } else {
-      rows_.push_back({.change = change, .radius_ratio = 1, .specimens = {}, .why_not = "no time; see --minutes"});
-    }
-  };
-  addIfItFits(TrustChange::kWideX);
-  addIfItFits(TrustChange::kWideY);
-  addIfItFits(TrustChange::kDeep);
-  const auto addRadius = [&] {
-    for (const double ratio : {0.5, 0.71, 1.5}) {
-      for (const int count : {specimens, some}) {
-        if (fits(TrustChange::kRadius, count, ratio)) {
-          add(TrustChange::kRadius, count, ratio);
-          return;
-        }
-      }
-    }
-    rows_.push_back(
-        {.change = TrustChange::kRadius, .radius_ratio = 0.5, .specimens = {}, .why_not = "no time; see --minutes"});
-  };
-  if (isWanted(nameOf(TrustChange::kRadius))) {
-    addRadius();
+    first.push_back(*result->force);
   }
-  for (const TrustChange change : {TrustChange::kStep, TrustChange::kStiff, TrustChange::kAwake, TrustChange::kMesh}) {
-    addIfItFits(change);
-  }
-}
-
-void Examination::take(TrustPiece& piece) {
-  TrustForces& row = rows_[piece.row];
-  row.specimens[piece.run.specimen] = piece.force;
-  if (!piece.why_not.empty()) {
-    row.why_not = piece.why_not;
-  }
+  status_.clear();
+  return first;
 }
 
 void Examination::complete() {
   const std::int64_t began_ns = monotonicNs();
-  measureOnce();
-  plan();
+  const std::vector<TrustForce> first = measureFirst();
+  schedule_ = scheduled(scene_, extent_, first);
   std::vector<std::size_t> missing;
   std::vector<double> lengths_s;
-  for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    lengths_s.push_back(pieces_[i].length_s);
-    if (!takeSaved(pieces_[i])) {
+  for (std::size_t i = 0; i < schedule_.runs.size(); ++i) {
+    const TrustScheduled& run = schedule_.runs[i];
+    lengths_s.push_back(run.length_s);
+    if (const std::optional<TrustResult> result = saved(run.run)) {
+      take(schedule_, run, result->force, result->why_not);
+    } else if (run.run.change == TrustChange::kNone && run.run.specimen < first.size()) {
+      take(schedule_, run, first[run.run.specimen], {});
+    } else {
       missing.push_back(i);
     }
   }
-  KeptWork work(std::move(lengths_s), threads_, status_);
+  KeptWork work(std::move(lengths_s), extent_.threads, status_);
   work.run(missing, folder_ ? folder_->path() : "no folder (see --out)", [&](std::size_t index) {
-    TrustPiece& piece = pieces_[index];
+    const TrustScheduled& run = schedule_.runs[index];
     const std::string title =
-        fmt::format("{}, specimen {}", titleOf(piece.run.change, piece.run.radius_ratio), piece.run.specimen + 1);
-    measure(piece, work.threadsEach(), work.progressOf(index, title));
+        fmt::format("{}, specimen {}", titleOf(run.run.change, run.run.radius_ratio), run.run.specimen + 1);
+    const TrustResult result = measured(run.run, work.threadsEach(), work.progressOf(index, title));
     work.finish(index, [&] {
-      return piece.force
-                 ? fmt::format("{}: mean {:.3g}, peak {:.3g} N", title, piece.force->mean_n, piece.force->peak_n)
-                 : fmt::format("{}: {}", title, piece.why_not);
+      take(schedule_, run, result.force, result.why_not);
+      return result.force
+                 ? fmt::format("{}: mean {:.3g}, peak {:.3g} N", title, result.force->mean_n, result.force->peak_n)
+                 : fmt::format("{}: {}", title, result.why_not);
     });
   });
-  for (TrustPiece& piece : pieces_) {
-    take(piece);
-  }
-  if (isWanted("bits")) {
+  if (extent_.wants("bits")) {
     Progress progress(status_);
-    bits_ = checkBits(*planned(scene_, TrustChange::kNone, 0).run, std::min(duration_s_, 1.0),
+    constexpr double kLongest_s = 1;
+    bits_ = checkBits(firstRuns(scene_).front(), std::min(extent_.duration_s, kLongest_s),
                       [&](std::string_view what, double fraction) { return progress.tell(what, fraction); });
   }
-  if (isWanted("strength")) {
+  if (extent_.wants("strength") && fitsStrength(extent_)) {
     measureStrengthOnce();
   }
   status_.clear();
   took_s_ = 1e-9 * static_cast<double>(monotonicNs() - began_ns);
 }
 
-/// Of a soil with a name: of others nobody said how strong they should be.
 void Examination::measureStrengthOnce() {
-  constexpr double kTypical_s = 150;
-  if (scene_.soil_name.empty() || scene_.bed.soil.friction != FrictionModel::kContact ||
-      (options_.only.empty() && kTypical_s > 0.25 * budget() * threads_)) {
-    return;
-  }
-  const NamedSoil soil = findSoilOrPreset(scene_.soil_name);
-  if (!soil.file) {
+  const std::optional<SoilTarget> target = strengthAskedFor(scene_);
+  if (!target) {
     return;
   }
   const std::string name = "strength";
@@ -374,7 +268,7 @@ void Examination::measureStrengthOnce() {
     return;
   }
   Progress progress(status_);
-  strength_ = measureStrength(scene_.bed.soil, soil.file->target, scene_.bed.gravity_m_s2.norm(), threads_,
+  strength_ = measureStrength(scene_.bed.soil, *target, scene_.bed.gravity_m_s2.norm(), extent_.threads,
                               [&](std::string_view what, double fraction) { return progress.tell(what, fraction); });
   if (folder_) {
     folder_->save(name, strengthJson(*strength_));
@@ -383,8 +277,8 @@ void Examination::measureStrengthOnce() {
 
 std::string Examination::heading() const {
   return fmt::format("{}: {}\n{} s of {}, {}, {}", options_.scene.scene(), scene_.title,
-                     fmt::format("{:g}", duration_s_), wordFor(kHandMotionWords, scene_.hand.motion),
-                     sceneInWords(scene_), pluralise(options_.specimens, "specimen"));
+                     fmt::format("{:g}", extent_.duration_s), wordFor(kHandMotionWords, scene_.hand.motion),
+                     sceneInWords(scene_), pluralise(extent_.specimens, "specimen"));
 }
 
 std::string Examination::command() const {
@@ -392,10 +286,10 @@ std::string Examination::command() const {
   for (const std::string& key : options_.scene.overrides) {
     command += fmt::format(" --set {}", key);
   }
-  command += options_.quick                               ? " --quick"
-             : options_.minutes != TrustOptions{}.minutes ? fmt::format(" --minutes {:g}", options_.minutes)
-                                                          : "";
-  command += options_.specimens != TrustOptions{}.specimens ? fmt::format(" --specimens {}", options_.specimens) : "";
+  command += options_.quick                             ? " --quick"
+             : extent_.minutes != TrustExtent{}.minutes ? fmt::format(" --minutes {:g}", extent_.minutes)
+                                                        : "";
+  command += extent_.specimens != TrustExtent{}.specimens ? fmt::format(" --specimens {}", extent_.specimens) : "";
   return command;
 }
 
@@ -409,7 +303,7 @@ void Examination::savePage(const TrustVerdict& verdict) const {
 }
 
 void Examination::report() {
-  const TrustVerdict verdict = judgeTrust(scene_, rows_, strength_);
+  const TrustVerdict verdict = judgeTrust(scene_, schedule_.rows, strength_);
   if (!options_.figure_file.empty()) {
     drawTrust(options_.overwrite(options_.figure_file), verdict, scene_.title);
   }
@@ -417,21 +311,21 @@ void Examination::report() {
     savePage(verdict);
   }
   double work_j = 0, gain_j = 0;
-  for (const std::optional<TrustForce>& force : rows_.front().specimens) {
+  for (const std::optional<TrustForce>& force : schedule_.rows.front().specimens) {
     work_j += force ? force->work_j : 0;
     gain_j += force ? force->energy_gain_j : 0;
   }
   if (options_.json) {
     Json json{{"scene", options_.scene.scene()},
               {"title", scene_.title},
-              {"duration_s", duration_s_},
-              {"specimens", options_.specimens},
+              {"duration_s", extent_.duration_s},
+              {"specimens", extent_.specimens},
               {"command", command()}};
     json.update(trustJson(verdict));
     if (bits_) {
       json["same_bits"] = {{"threads", bits_->threads}, {"restart", bits_->restart}};
     }
-    json["energy_j"] = {{"work", work_j / options_.specimens}, {"gain", gain_j / options_.specimens}};
+    json["energy_j"] = {{"work", work_j / extent_.specimens}, {"gain", gain_j / extent_.specimens}};
     json["took_s"] = took_s_;
     printJson(json);
     return;
@@ -442,7 +336,7 @@ void Examination::report() {
                         bits_->threads ? "the same" : "they differ", bits_->restart ? "the same" : "they differ");
   }
   text += fmt::format("  Work of the tool {:.3g} J; the soil holds {:.3g} J more at the end, friction took the rest.\n",
-                      work_j / options_.specimens, gain_j / options_.specimens);
+                      work_j / extent_.specimens, gain_j / extent_.specimens);
   text += fmt::format("  {}\n", durationText(took_s_));
   printText(text);
 }
@@ -453,9 +347,9 @@ void runTrust(const TrustOptions& options) {
     requireWritable({options.overwrite(options.figure_file)});
   }
   if (options.duration_s) {
-    requireInRange("duration-s", *options.duration_s, {TrustForce::kWindow_s, 3600});
+    requireInRange("duration-s", *options.duration_s, TrustExtent::kDuration_s);
   }
-  requireInRange("minutes", options.minutes, kTrustMinutes);
+  requireInRange("minutes", options.extent.minutes, TrustExtent::kMinutes);
   Examination examination(options);
   examination.complete();
   examination.report();
@@ -473,14 +367,15 @@ void addTrustCommand(CLI::App& app) {
   options->scene.addTo(*command);
   command->add_option("--duration-s", options->duration_s, "Length of the movement [one motion of the hand]")
       ->option_text("SECONDS");
-  command->add_option("--specimens", options->specimens, "Number of specimens of each comparison, 2 to 100")
-      ->check(wholeNumberIn(kTrustSpecimens))
+  command->add_option("--specimens", options->extent.specimens, "Number of specimens of each comparison, 2 to 100")
+      ->check(wholeNumberIn(TrustExtent::kSpecimens))
       ->capture_default_str();
-  CLI::Option* minutes =
-      command->add_option("--minutes", options->minutes, "Approximate time; what does not fit is left out, and named")
-          ->capture_default_str();
+  CLI::Option* minutes = command
+                             ->add_option("--minutes", options->extent.minutes,
+                                          "Approximate time; what does not fit is left out, and named")
+                             ->capture_default_str();
   command
-      ->add_option("--only", options->only,
+      ->add_option("--only", options->extent.only,
                    "Only these comparisons: wide-x, wide-y, deep, radius, step, awake, stiff, mesh, bits, strength, or "
                    "specimen for none of them")
       ->delimiter(',')

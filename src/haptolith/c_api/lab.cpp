@@ -16,6 +16,7 @@
 #include "haptolith/bed/bed_parameters.h"
 #include "haptolith/c_api/errors.h"
 #include "haptolith/c_api/result.h"
+#include "haptolith/c_api/scene_object.h"
 #include "haptolith/c_api/soil_object.h"
 #include "haptolith/c_api/values.h"
 #include "haptolith/lab/catalogue/lab_test.h"
@@ -23,18 +24,23 @@
 #include "haptolith/lab/report/calibrate_soil.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/soil/bodies.h"
+#include "haptolith/trust/trust_schedule.h"
 
 using namespace haptolith;
 using namespace haptolith::library;
 
 namespace {
 
+int allThreads() {
+  return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
+}
+
 /// Arguments common to every test.
 struct Circumstances {
   SoilChanges soil;
   double gravity_m_s2 = LabConditions().gravity_m_s2;
   std::uint64_t seed = 1;
-  int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 256U));
+  int threads = allThreads();
 };
 
 /// Gravity of a body, or by its number.
@@ -115,6 +121,31 @@ std::vector<LabOption> optionsOf(CalibrationAsked& asked) {
 }
 
 }  // namespace
+
+std::int32_t hapto_scene_trust(const hapto_scene* scene, const char* options, hapto_progress told, void* user,
+                               hapto_result** out) {
+  if (out == nullptr) {
+    return wrongArgument(HAPTO_NULL, "out");
+  }
+  const Claim claim(scene);
+  if (claim.status() != HAPTO_OK) {
+    return wrongArgument(claim.status(), "scene");
+  }
+  Progress progress(told, user);
+  return progress.status([&] {
+    readEnvironment();
+    const SceneFile& scene_file = claim->sceneFile();
+    TrustExtent extent{.duration_s = usualDuration(scene_file), .threads = allThreads(), .only = {}};
+    readOptions(textOrNothing(options),
+                {numberOption("duration_s", extent.duration_s, ""), numberOption("minutes", extent.minutes, ""),
+                 countOption("specimens", extent.specimens, TrustExtent::kSpecimens, ""),
+                 countOption("threads", extent.threads, BedRanges::threads, "")});
+    const TrustVerdict verdict = examined(
+        scene_file, extent, [&progress](std::string_view what, double share) { return progress.tell(what, share); });
+    *out = handleOf({.json = trustJson(verdict)});
+    return HAPTO_OK;
+  });
+}
 
 std::int32_t hapto_lab_test(const char* test, const hapto_soil* soil, const char* options, hapto_progress told,
                             void* user, hapto_result** out) {

@@ -651,6 +651,18 @@ namespace Haptolith
     [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
     public static extern int hapto_lab_test(byte* test, IntPtr soil, byte* options, IntPtr progress, void* user, IntPtr* @out);
 
+    /// <summary>
+    /// How far the force of a scene's movement can be believed, as `haptolith trust` finds out (docs/reports/trust.md): the soil is
+    /// simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene must have
+    /// one tool, and is neither stepped nor changed; a virtual hand makes the movement that its file names.
+    /// options  TOML: duration_s of the movement, 0.25 to 3600; specimens, 2 to 100; minutes, 0.1 to 10000; threads; NULL or "": one
+    ///          motion of the hand, 5, 30, all.
+    /// out      the numbers that `--json` prints: "sentence", "mean_within" and "peak_within" (relative, 90 %), "complaints", "effects".
+    /// Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE; HAPTO_STOPPED. Not for the tick.
+    /// </summary>
+    [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+    public static extern int hapto_scene_trust(IntPtr scene, byte* options, IntPtr progress, void* user, IntPtr* @out);
+
     // psychometric functions
 
     /// <summary>
