@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
@@ -37,7 +38,7 @@ def row(scene: str, told: dict) -> str:
     effects = {effect["change"]: effect for effect in told["effects"]}
     return (f"| {scene} | {told['mean_force_n']:.2g} | {percent(told['mean_within'])} | {told['peak_force_n']:.2g} | {percent(told['peak_within'])} "
             f"| ± {percent(told['scatter_mean'])} | {shift(effects, 'wide-x')}; {shift(effects, 'wide-y')} | {shift(effects, 'deep')} "
-            f"| {shift(effects, 'radius')} | {shift(effects, 'step')} | {shift(effects, 'stiff')} | {', '.join(told['complaints']) or 'none'} |")
+            f"| {shift(effects, 'radius')} | {shift(effects, 'step')} | {shift(effects, 'stiff')} | {', '.join(told['complaints'] + [f'near: {what}' for what in told['near_but_not_felt']]) or 'none'} |")
 
 
 def write(scene: str, line: str) -> None:
@@ -58,7 +59,9 @@ def main() -> None:
     program = os.environ.get("HAPTOLITH", SOURCE / "build/release/apps/haptolith/haptolith")
     scenes = asked.scenes or sorted(path.stem for path in (SOURCE / "scenes").glob("*.toml"))
     for scene in scenes:
-        done = subprocess.run([program, "trust", scene, "--minutes", f"{asked.minutes:g}", "--json"], stdout=subprocess.PIPE, text=True, check=False)
+        with tempfile.TemporaryDirectory() as cache:  # so that times do not depend on what has settled before
+            done = subprocess.run([program, "trust", scene, "--minutes", f"{asked.minutes:g}", "--json"], stdout=subprocess.PIPE,
+                                  env=os.environ | {"HAPTOLITH_CACHE": cache}, text=True, check=False)
         if done.returncode != 0:
             print(f"{scene}: exit status {done.returncode}", file=sys.stderr)
             continue

@@ -85,7 +85,9 @@ TEST(TrustVerdict, LooksAtTheRoomAsWell) {
   EXPECT_THAT(judgeTrust(periodic, rows).complaints, Not(Contains(HasSubstr("narrow"))));
   // What was measured well counts more than a rule.
   rows.push_back(rowOf(TrustChange::kWideX, {1.0, 1.02}));
-  EXPECT_THAT(judgeTrust(sceneOf(), rows).complaints, Contains("the box is too narrow along y"));
+  const TrustVerdict measured = judgeTrust(sceneOf(), rows);
+  EXPECT_THAT(measured.complaints, Contains("the box is too narrow along y"));
+  EXPECT_THAT(measured.sentence, HasSubstr("near, but not felt: the walls along x."));
 }
 
 TEST(TrustVerdict, NamesWeakSoil) {

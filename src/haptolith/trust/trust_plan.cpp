@@ -128,7 +128,11 @@ std::string titleOf(TrustChange change, double radius_ratio) {
     case TrustChange::kWideX: return "box twice as wide, x";
     case TrustChange::kWideY: return "box twice as wide, y";
     case TrustChange::kDeep: return "soil twice as deep";
-    case TrustChange::kRadius: return fmt::format("particles {:.2g} times as large", radius_ratio);
+    case TrustChange::kRadius:
+      if (radius_ratio == 0.5) {
+        return "particles half as large";
+      }
+      return fmt::format("particles {:.2g} times as large", radius_ratio);
     case TrustChange::kStep: return "step half as long";
     case TrustChange::kAwake: return "no particle sleeps";
     case TrustChange::kStiff: return "contacts twice as stiff";

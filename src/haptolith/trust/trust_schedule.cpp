@@ -22,6 +22,15 @@ double budgetOf(const TrustExtent& extent) {
   return 60 * extent.minutes * extent.threads;
 }
 
+/// Time for soil to settle that is in the cache now, but will not be when it is changed: 2 s at a usual speed.
+double usualSettling(const SceneFile& scene, const TrustForce& force) {
+  constexpr double kTicks = 2000;
+  constexpr double kParticleSteps_per_s = 1e7;
+  return scene.bed.start == BedStart::kSettled
+             ? static_cast<double>(force.particles) * force.substeps * kTicks / kParticleSteps_per_s
+             : 0;
+}
+
 /// Fills a schedule.
 class Scheduler {
  public:
@@ -30,7 +39,7 @@ class Scheduler {
     constexpr double kLeast_s = 0.2;
     alone_s_ = kLeast_s;
     for (const TrustForce& force : first) {
-      alone_s_ = std::max(alone_s_, force.settling_s + force.movement_s);
+      alone_s_ = std::max(alone_s_, std::max(force.settling_s, usualSettling(scene, force)) + force.movement_s);
     }
     if (scene.hand.surface_m) {
       surface_over_soil_m_ = *scene.hand.surface_m - first.front().surface_m;

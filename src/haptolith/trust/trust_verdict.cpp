@@ -135,6 +135,30 @@ bool isAsStrongAsAsked(const TrustStrength& strength) {
              std::max({kWithin * strength.asked_pa, kWithin_pa, 2 * strength.error_pa});
 }
 
+struct TooClose {
+  TrustChange change;
+  const char* what;
+};
+
+/// What has less than half of the room that rules ask for.
+std::vector<TooClose> tooClose(const TrustRoom& room) {
+  constexpr double kClearlyLess = 0.5;
+  std::vector<TooClose> close;
+  if (room.wall_x < kClearlyLess) {
+    close.push_back({TrustChange::kWideX, "the walls along x"});
+  }
+  if (room.wall_y < kClearlyLess) {
+    close.push_back({TrustChange::kWideY, "the walls along y"});
+  }
+  if (room.floor < kClearlyLess) {
+    close.push_back({TrustChange::kDeep, "the floor"});
+  }
+  if (room.grains < kClearlyLess) {
+    close.push_back({TrustChange::kRadius, "the size of the particles"});
+  }
+  return close;
+}
+
 void addComplaint(std::vector<std::string>& complaints, std::string complaint) {
   if (std::ranges::find(complaints, complaint) == complaints.end()) {
     complaints.push_back(std::move(complaint));
@@ -148,16 +172,11 @@ std::vector<std::string> complaintsOf(const TrustVerdict& verdict) {
       addComplaint(complaints, complaintOf(effect.change));
     }
   }
-  const auto needsRoom = [&](double room, double least, TrustChange change) {
-    if (room < least && mayBeFelt(verdict.effects, change)) {
-      addComplaint(complaints, complaintOf(change));
+  for (const TooClose& close : tooClose(verdict.room)) {
+    if (mayBeFelt(verdict.effects, close.change)) {
+      addComplaint(complaints, complaintOf(close.change));
     }
-  };
-  constexpr double kClearlyLess = 0.5;
-  needsRoom(verdict.room.wall_x, kClearlyLess, TrustChange::kWideX);
-  needsRoom(verdict.room.wall_y, kClearlyLess, TrustChange::kWideY);
-  needsRoom(verdict.room.floor, kClearlyLess, TrustChange::kDeep);
-  needsRoom(verdict.room.grains, kClearlyLess, TrustChange::kRadius);
+  }
   const auto along_x = std::ranges::find(complaints, complaintOf(TrustChange::kWideX));
   const auto along_y = std::ranges::find(complaints, complaintOf(TrustChange::kWideY));
   if (along_x != complaints.end() && along_y != complaints.end()) {
@@ -180,6 +199,18 @@ double expectedShift(const std::vector<TrustEffect>& effects) {
     }
   }
   return sum;
+}
+
+/// What is too close by rules alone: its effect was measured and is small.
+std::vector<std::string> closeButNotFelt(const TrustVerdict& verdict) {
+  std::vector<std::string> names;
+  for (const TooClose& close : tooClose(verdict.room)) {
+    const auto effect = std::ranges::find(verdict.effects, close.change, &TrustEffect::change);
+    if (!mayBeFelt(verdict.effects, close.change) && effect != verdict.effects.end() && !isFelt(*effect)) {
+      names.emplace_back(close.what);
+    }
+  }
+  return names;
 }
 
 std::string percent(double fraction) {
@@ -206,6 +237,9 @@ std::string sentenceOf(const TrustVerdict& verdict) {
   }
   if (!verdict.complaints.empty()) {
     sentence += fmt::format("; {}", fmt::join(verdict.complaints, ", "));
+  }
+  if (!verdict.close.empty()) {
+    sentence += fmt::format("; near, but not felt: {}", fmt::join(verdict.close, ", "));
   }
   return sentence + ".";
 }
@@ -279,6 +313,7 @@ TrustVerdict judgeTrust(const SceneFile& scene, const std::vector<TrustForces>& 
     verdict.within_peak = bound(verdict, mean_n.size(), true);
     verdict.expected_mean = expectedShift(verdict.effects);
     verdict.complaints = complaintsOf(verdict);
+    verdict.close = closeButNotFelt(verdict);
   }
   verdict.sentence = sentenceOf(verdict);
   return verdict;
@@ -323,6 +358,7 @@ Json trustJson(const TrustVerdict& verdict) {
             {"peak_within", verdict.within_peak},
             {"mean_expected", verdict.expected_mean},
             {"complaints", verdict.complaints},
+            {"near_but_not_felt", verdict.close},
             {"scatter_mean", verdict.scatter_mean.value},
             {"scatter_peak", verdict.scatter_peak.value}};
   Json effects = Json::array();

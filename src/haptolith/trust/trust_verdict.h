@@ -54,6 +54,7 @@ struct TrustVerdict {
   double within_mean = 0, within_peak = 0;  ///< relative bounds: see bound()
   double expected_mean = 0;                 ///< what a larger box and half the radius would add to the mean force
   std::vector<std::string> complaints;      ///< "the box is too narrow along y"
+  std::vector<std::string> close;           ///< "the floor": closer than rules allow, but not felt
   std::string sentence;
 };
 
