@@ -81,6 +81,7 @@ Json forceJson(const TrustForce& force) {
           {"movement_s", force.movement_s},
           {"work_j", force.work_j},
           {"energy_gain_j", force.energy_gain_j},
+          {"stress_ratio", force.stress_ratio ? Json(*force.stress_ratio) : Json(nullptr)},
           {"hash", force.hash}};
 }
 
@@ -100,6 +101,9 @@ TrustForce forceFrom(const Json& json) {
   json.at("movement_s").get_to(force.movement_s);
   json.at("work_j").get_to(force.work_j);
   json.at("energy_gain_j").get_to(force.energy_gain_j);
+  if (const Json& ratio = json.at("stress_ratio"); !ratio.is_null()) {
+    force.stress_ratio = ratio.get<double>();
+  }
   json.at("hash").get_to(force.hash);
   return force;
 }

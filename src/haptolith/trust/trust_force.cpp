@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 
+#include "haptolith/bed/measure/vertical_load.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/hand/virtual_hand.h"
@@ -131,6 +132,25 @@ void requireGoingOn(const TrustProgress& progress, std::string_view what, double
   }
 }
 
+std::optional<double> stressRatio(const Bed& bed, double surface_m) {
+  const BedParameters& parameters = bed.parameters();
+  const Vec3& gravity = parameters.gravity_m_s2;
+  if (parameters.soil.friction != FrictionModel::kContact || grainClasses(parameters) > 1 || parameters.stones.any() ||
+      gravity.x() != 0 || gravity.y() != 0 || gravity.z() >= 0) {
+    return std::nullopt;
+  }
+  double sum = 0;
+  constexpr int kLevels = 5;
+  for (int level = 1; level <= kLevels; ++level) {
+    const VerticalLoad load = verticalLoad(bed, surface_m * level / (kLevels + 1));
+    if (load.weight_n <= 0) {
+      return std::nullopt;
+    }
+    sum += load.carried_n / load.weight_n;
+  }
+  return sum / kLevels;
+}
+
 std::size_t ticksFor(const SceneFile& scene, double duration_s) {
   return static_cast<std::size_t>(std::lround(duration_s / scene.bed.tick_s));
 }
@@ -146,6 +166,7 @@ TrustForce measureForce(const TrustRun& run, double duration_s, int threads, con
   force.particles = scene.bed().particles();
   force.substeps = scene.substeps();
   const std::int64_t settled_ns = monotonicNs();
+  force.stress_ratio = stressRatio(scene.bed(), force.surface_m);
   const double energy_before_j = scene.bed().energy();
   constexpr double kFar_m = std::numeric_limits<double>::max();
   force.reach = {.depth_m = 0, .to_floor_m = kFar_m, .to_wall_x_m = kFar_m, .to_wall_y_m = kFar_m};

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -34,6 +35,8 @@ struct TrustForce {
   double settling_s = 0, movement_s = 0;  ///< time of this machine
   // Energy: what the tool gave to the soil, and what the soil holds more of at the end. The rest is friction's.
   double work_j = 0, energy_gain_j = 0;
+  /// Stress at rest over rho g z, mean of five levels (verticalLoad()); empty where that is not known.
+  std::optional<double> stress_ratio{};
   std::uint64_t hash = 0;  ///< of the scene at the end
 };
 

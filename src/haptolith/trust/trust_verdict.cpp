@@ -279,12 +279,15 @@ TrustVerdict judgeTrust(const SceneFile& scene, const std::vector<TrustForces>& 
   TrustVerdict verdict;
   verdict.strength = strength;
   const TrustForces& usual = forces.at(0);
-  std::vector<double> mean_n, peak_n;
+  std::vector<double> mean_n, peak_n, stress_ratios;
   constexpr double kFar_m = std::numeric_limits<double>::max();
   verdict.reach = {.depth_m = 0, .to_floor_m = kFar_m, .to_wall_x_m = kFar_m, .to_wall_y_m = kFar_m};
   for (const std::optional<TrustForce>& force : usual.specimens) {
     if (!force) {
       continue;
+    }
+    if (force->stress_ratio) {
+      stress_ratios.push_back(*force->stress_ratio);
     }
     mean_n.push_back(force->mean_n);
     peak_n.push_back(force->peak_n);
@@ -293,6 +296,10 @@ TrustVerdict judgeTrust(const SceneFile& scene, const std::vector<TrustForces>& 
     reach.to_floor_m = std::min(reach.to_floor_m, force->reach.to_floor_m);
     reach.to_wall_x_m = std::min(reach.to_wall_x_m, force->reach.to_wall_x_m);
     reach.to_wall_y_m = std::min(reach.to_wall_y_m, force->reach.to_wall_y_m);
+  }
+  if (!stress_ratios.empty()) {
+    const TrustShift over_one = shiftOf(stress_ratios);
+    verdict.stress_ratio = {1 + over_one.value, over_one.error};
   }
   if (mean_n.size() < 2) {
     throw InvalidParameter("specimens", fmt::format("{}", mean_n.size()), "at least 2");
@@ -342,6 +349,10 @@ std::string trustText(const TrustVerdict& verdict) {
       "  Room over what soil mechanics asks for: walls {:.1f} (x) and {:.1f} (y), floor {:.1f}, particles {:.1f}.\n",
       1e3 * verdict.reach.depth_m, 1e3 * verdict.reach.to_floor_m, verdict.room.wall_x, verdict.room.wall_y,
       verdict.room.floor, verdict.room.grains);
+  if (verdict.stress_ratio) {
+    text += fmt::format("  Stress at rest over rho g z: {:.2f} ± {:.2f}; the sides carry what is missing.\n",
+                        verdict.stress_ratio->value, verdict.stress_ratio->error);
+  }
   if (const auto& strength = verdict.strength) {
     text += fmt::format("  Strength asked for: {:.1f}°, {:.0f} Pa. Sheared: {:.1f} ± {:.1f}°, {:.0f} ± {:.0f} Pa.\n",
                         strength->asked_deg, strength->asked_pa, strength->shown_deg, strength->error_deg,
@@ -382,6 +393,10 @@ Json trustJson(const TrustVerdict& verdict) {
                   {"wall_y", verdict.room.wall_y},
                   {"floor", verdict.room.floor},
                   {"particles", verdict.room.grains}};
+  if (verdict.stress_ratio) {
+    json["stress_over_rho_g_z"] = {{"mean", verdict.stress_ratio->value},
+                                   {"standard_error", verdict.stress_ratio->error}};
+  }
   if (const auto& strength = verdict.strength) {
     json["strength"] = {{"asked_deg", strength->asked_deg},
                         {"shown_deg", strength->shown_deg},

@@ -51,6 +51,7 @@ struct TrustVerdict {
   TrustRoom room;
   TrustReach reach;
   std::optional<TrustStrength> strength;
+  std::optional<TrustShift> stress_ratio;   ///< TrustForce::stress_ratio: mean of the specimens, and its error
   double within_mean = 0, within_peak = 0;  ///< relative bounds: see bound()
   double expected_mean = 0;                 ///< what a larger box and half the radius would add to the mean force
   std::vector<std::string> complaints;      ///< "the box is too narrow along y"
