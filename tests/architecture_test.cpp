@@ -57,7 +57,7 @@ const std::map<std::string, Folders> kArrows = {
     {"lab/report", {"lab/tests"}},
     {"lab/catalogue", {"lab/report"}},
     {"lab/archive", {"lab/catalogue"}},
-    // How far a scene's force can be believed.
+    // Bounds of a scene's force.
     {"trust", {"lab/report", "scene_file"}},
     // Parts that a person may change while it runs.
     {"session", {"recording", "device/drivers"}},

@@ -356,8 +356,8 @@ HAPTO_API int32_t hapto_soil_calibrate(const char *target, hapto_progress progre
 HAPTO_API int32_t hapto_lab_test(const char *test, const hapto_soil *soil, const char *options, hapto_progress progress,
                                  void *user, hapto_result **out);
 
-/* How far the force of a scene's movement can be believed, as `haptolith trust` finds out (docs/reports/trust.md): the soil is
- * simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene must have
+/* Returns how far the force of a scene's movement can be believed, as `haptolith trust` prints it (docs/reports/trust.md): the soil
+ * is simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene must have
  * one tool, and is neither stepped nor changed; a virtual hand makes the movement that its file names.
  * options  TOML: duration_s of the movement, 0.25 to 3600; specimens, 2 to 100; minutes, 0.1 to 10000; threads; NULL or "": one
  *          motion of the hand, 5, 30, all.

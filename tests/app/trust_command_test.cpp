@@ -38,8 +38,8 @@ TEST_F(TrustCommand, SaysHowFarAForceCanBeBelieved) {
       "trust icra2021 --duration-s 1 --specimens 3 --only wide-x,step,awake,bits --figure " + path("a.svg"));
   ASSERT_EQ(told.exit_status, 0) << told.errors;
   EXPECT_THAT(told.output, AllOf(HasSubstr("Mean force within "), HasSubstr("box twice as wide, x"),
-                                 HasSubstr("no particle sleeps"), HasSubstr("Bits on one and two threads: the same"),
-                                 HasSubstr("Continued from a saved state: the same"), HasSubstr("a.svg")));
+                                 HasSubstr("no particle sleeps"), HasSubstr("Bits on one and two threads: equal"),
+                                 HasSubstr("Continued from a saved state: equal"), HasSubstr("a.svg")));
   EXPECT_THAT(told.output, Not(HasSubstr("box twice as wide, y")));
   EXPECT_THAT(textOf(path("a.svg")), HasSubstr("</svg>"));
 }
@@ -67,7 +67,7 @@ TEST_F(TrustCommand, KeepsWhatItHasAndGoesOn) {
   EXPECT_EQ(runHaptolith(command + " --resume --set hand.depth_mm=10").exit_status, 1) << "another scene";
 }
 
-// A narrow box, a shallow bed and coarse particles are told of.
+// A narrow box, a shallow bed and coarse particles are reported.
 TEST_F(TrustCommand, NoticesWhatIsTooSmall) {
   const auto sentence = [](const std::string& options) {
     const ProgramResult told =

@@ -29,7 +29,7 @@ TEST(VerticalLoad, IsTheWeightAbove) {
   EXPECT_EQ(verticalLoad(bed, 1).weight_n, 0);
 }
 
-// What has just been let go carries nothing yet.
+// Particles that have just begun to fall carry nothing yet.
 TEST(VerticalLoad, IsNotThereInFreeFall) {
   BedParameters parameters = periodicSoil();
   parameters.start = BedStart::kPacked;

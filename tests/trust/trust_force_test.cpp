@@ -51,7 +51,7 @@ TEST(TrustForce, FollowsTheSurfaceOfDeeperSoil) {
   const std::vector<std::string> overrides{"hand.motion='press'", "hand.compliance='rigid'", "hand.surface_mm=36"};
   const TrustForce usual = measureForce(runOf(overrides), kDuration_s, 1);
   TrustRun deep = runOf(overrides, TrustChange::kDeep);
-  deep.surface_over_soil_m = 0.036 - usual.surface_m;
+  deep.usual_surface_m = usual.surface_m;
   const TrustForce below = measureForce(deep, kDuration_s, 1);
   EXPECT_GT(below.surface_m, usual.surface_m + 0.02);
   EXPECT_NEAR(below.reach.depth_m, usual.reach.depth_m, 1e-6);

@@ -25,7 +25,7 @@ SceneFile set(const SceneFile& scene, const std::vector<std::string>& overrides)
   return changed(scene, overrides);
 }
 
-// Everybody can make the compared scenes with --set.
+// The user can make the compared scenes with --set.
 TEST(TrustPlan, ChangesAreThoseOfKeys) {
   const SceneFile settled = findSceneFile("regolith");
   EXPECT_EQ(changedBy(TrustChange::kNone, settled), settled);

@@ -64,7 +64,7 @@ TEST(TrustVerdict, SaysWhatIsFelt) {
   EXPECT_THAT(judged(TrustChange::kStep, 0.8).sentence,
               AllOf(HasSubstr("the step is too long"), Not(HasSubstr("probably"))));
   EXPECT_THAT(judged(TrustChange::kStiff, 1.05).complaints, IsEmpty());
-  // 1.5 times the radius stands for half of it, by a straight line.
+  // The effect of 1.5 times the radius predicts that of half of it, by a straight line.
   EXPECT_THAT(judged(TrustChange::kRadius, 0.8, 1.5).sentence,
               AllOf(HasSubstr("the particles are too large"), HasSubstr("probably too low by 20 %")));
   EXPECT_GE(judged(TrustChange::kRadius, 0.8, 1.5).within_mean, 0.2);
@@ -83,7 +83,7 @@ TEST(TrustVerdict, LooksAtTheRoomAsWell) {
   SceneFile periodic = sceneOf();
   periodic.bed.periodic_x = periodic.bed.periodic_y = true;
   EXPECT_THAT(judgeTrust(periodic, rows).complaints, Not(Contains(HasSubstr("narrow"))));
-  // What was measured well counts more than a rule.
+  // A good measurement counts more than a rule.
   rows.push_back(rowOf(TrustChange::kWideX, {1.0, 1.02}));
   const TrustVerdict measured = judgeTrust(sceneOf(), rows);
   EXPECT_THAT(measured.complaints, Contains("the box is too narrow along y"));

@@ -337,7 +337,7 @@ void Examination::report() {
   std::string text = heading() + "\n\n" + trustText(verdict);
   if (bits_) {
     text += fmt::format("  Bits on one and two threads: {}. Continued from a saved state: {}.\n",
-                        bits_->threads ? "the same" : "they differ", bits_->restart ? "the same" : "they differ");
+                        bits_->threads ? "equal" : "different", bits_->restart ? "equal" : "different");
   }
   text += fmt::format("  Work of the tool {:.3g} J; the soil holds {:.3g} J more at the end, friction took the rest.\n",
                       work_j / extent_.specimens, gain_j / extent_.specimens);

@@ -29,18 +29,18 @@ class MovingScene {
       scene_.refineSteps(run.step_factor);
     }
     surface_m_ = scene_.bed().surfaceHeight();
-    if (!file_.hand.surface_m) {
-      file_.hand.surface_m = surface_m_;
-    } else if (run.surface_over_soil_m) {
-      file_.hand.surface_m = surface_m_ + *run.surface_over_soil_m;
-    }
+    const double raised_m = run.usual_surface_m ? surface_m_ - *run.usual_surface_m : 0;
+    file_.hand.surface_m = file_.hand.surface_m ? *file_.hand.surface_m + raised_m : surface_m_;
     HandlingParameters handling = handlingOf(file_, *file_.hand.surface_m);
     handling.mapping.offset_m += run.shift_m;
+    if (file_.hand.motion == HandMotion::kPoses) {  // which are places in the scene
+      handling.mapping.offset_m.z() += raised_m;
+    }
     hand_ = std::make_unique<VirtualHand>(file_.hand, file_.bed.tick_s);
     loop_ = std::make_unique<HapticLoop>(scene_, *hand_, file_.loop, false, handling);
   }
 
-  /// One tick. @return whether the movement goes on. @throws Failure when it cannot.
+  /// One tick. @return whether the movement continues. @throws Failure when it cannot.
   bool tick() {
     const LoopEnd end = loop_->tick();
     if (end == LoopEnd::kRunning || end == LoopEnd::kFinished) {
@@ -210,7 +210,7 @@ TrustBits checkBits(const TrustRun& run, double duration_s, const TrustProgress&
   Scene two(on_two, toolSet(file));
   std::unique_ptr<Scene> continued;
 
-  // What the soil answers does not move the hand here: all scenes get the same movement.
+  // The soil does not move the hand here: all scenes get one movement.
   VirtualHand hand(file.hand, file.bed.tick_s);
   const auto target = [&] {
     const DeviceInput input = hand.read();

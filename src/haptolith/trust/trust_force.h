@@ -12,7 +12,7 @@
 
 namespace haptolith {
 
-/// Where the tool goes below the surface, as far as its bounding box tells.
+/// Reach of the tool below the surface, by its bounding box.
 struct TrustReach {
   double depth_m = 0;      ///< deepest point below the soil's surface; 0: it stays above
   double to_floor_m = 0;   ///< least height of its lowest point over the floor
@@ -22,14 +22,14 @@ struct TrustReach {
 
 /// The force of one run: the soil's on the first tool, magnitudes.
 struct TrustForce {
-  static constexpr double kWindow_s = 0.25;  ///< of which the band's windows are means
+  static constexpr double kWindow_s = 0.25;  ///< length of the windows
   static constexpr double kPeak_s = 0.03;    ///< a peak is a mean over as long: what the loop's filter lets through
 
   double mean_n = 0;
   double peak_n = 0;
   std::vector<double> window_n;  ///< means over consecutive windows
   TrustReach reach;
-  double surface_m = 0;  ///< of the soil at the beginning, scene frame
+  double surface_m = 0;  ///< surface of the soil at the beginning, scene frame
   std::size_t particles = 0;
   int substeps = 0;
   double settling_s = 0, movement_s = 0;  ///< time of this machine
@@ -37,10 +37,10 @@ struct TrustForce {
   double work_j = 0, energy_gain_j = 0;
   /// Stress at rest over rho g z, mean of five levels (verticalLoad()); empty where that is not known.
   std::optional<double> stress_ratio{};
-  std::uint64_t hash = 0;  ///< of the scene at the end
+  std::uint64_t hash = 0;  ///< hash of the scene at the end
 };
 
-/// Called now and then with what goes on and the fraction done; returns false to cancel.
+/// Called now and then with the current work and the fraction done; returns false to cancel.
 using TrustProgress = std::function<bool(std::string_view what, double fraction)>;
 
 /// Simulates a run's movement for `duration_s` with a virtual hand, as `haptolith run --no-realtime` does, on

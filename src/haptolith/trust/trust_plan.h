@@ -11,7 +11,7 @@
 
 namespace haptolith {
 
-/// What differs between a scene and one that should render the same force.
+/// Difference between a scene and one that should render the same force.
 enum class TrustChange {
   kNone,    ///< another specimen of the same soil
   kWideX,   ///< a box twice as wide along x
@@ -30,10 +30,10 @@ struct TrustRun {
   double radius_ratio = 1;      ///< kRadius: its radius over the scene's
   std::size_t specimen = 0;     ///< equal numbers have the same seed, and the same place of the tool
   SceneFile scene;              ///< as changed
-  Vec3 shift_m = Vec3::Zero();  ///< of the tool: how specimens of soil without a seed differ
+  Vec3 shift_m = Vec3::Zero();  ///< shift of the tool: specimens of soil without a seed differ by it
   int step_factor = 1;          ///< steps per tick over those needed
-  /// Height of the hand's surface over the soil's own, where the scene gives one.
-  std::optional<double> surface_over_soil_m{};
+  /// kDeep: height of the scene's own soil, by which a movement with given heights is raised.
+  std::optional<double> usual_surface_m{};
 };
 
 /// The name of a change in files and options: "wide-x".

@@ -16,7 +16,7 @@ namespace haptolith {
 namespace {
 
 constexpr const char* kNoTime = "no time for it";
-constexpr double kStrength_s = 150;  ///< of a shear test
+constexpr double kStrength_s = 150;  ///< duration of a shear test on one thread
 
 double budgetOf(const TrustExtent& extent) {
   return 60 * extent.minutes * extent.threads;
@@ -41,9 +41,7 @@ class Scheduler {
     for (const TrustForce& force : first) {
       alone_s_ = std::max(alone_s_, std::max(force.settling_s, usualSettling(scene, force)) + force.movement_s);
     }
-    if (scene.hand.surface_m) {
-      surface_over_soil_m_ = *scene.hand.surface_m - first.front().surface_m;
-    }
+    usual_surface_m_ = first.front().surface_m;
   }
 
   TrustSchedule schedule() {
@@ -98,7 +96,7 @@ class Scheduler {
         row.specimens.clear();
         break;
       }
-      plan.run->surface_over_soil_m = change == TrustChange::kDeep ? surface_over_soil_m_ : std::nullopt;
+      plan.run->usual_surface_m = change == TrustChange::kDeep ? std::optional(usual_surface_m_) : std::nullopt;
       schedule_.runs.push_back(
           {schedule_.rows.size(), std::move(*plan.run), alone_s_ * relativeCost(change, radius_ratio)});
     }
@@ -108,7 +106,7 @@ class Scheduler {
   const SceneFile& scene_;
   const TrustExtent& extent_;
   double alone_s_, planned_s_ = 0;
-  std::optional<double> surface_over_soil_m_;
+  double usual_surface_m_ = 0;
   TrustSchedule schedule_;
 };
 
@@ -171,7 +169,7 @@ TrustVerdict examined(const SceneFile& scene, const TrustExtent& extent, const T
   validate(extent);
   validate(scene);
   std::vector<TrustForce> first;
-  constexpr double kFirst = 0.1;  // of the progress
+  constexpr double kFirst = 0.1;  // its fraction of the progress
   for (const TrustRun& run : firstRuns(scene)) {
     first.push_back(measureForce(run, extent.duration_s, extent.threads, [&](std::string_view what, double fraction) {
       return !progress || progress(what, kFirst / 2 * (fraction + static_cast<double>(first.size())));

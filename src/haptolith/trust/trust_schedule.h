@@ -17,9 +17,9 @@ struct TrustExtent {
   static constexpr Range kMinutes{0.1, 1e4};
   static constexpr Range kDuration_s{TrustForce::kWindow_s, 3600};
 
-  double duration_s = 4;  ///< of the movement
-  int specimens = 5;      ///< of each comparison; 3 where there is no time for more
-  double minutes = 30;    ///< what does not fit is left out
+  double duration_s = 4;  ///< length of the movement
+  int specimens = 5;      ///< number for each comparison; 3 where there is no time for more
+  double minutes = 30;    ///< time; comparisons that do not fit are left out
   int threads = 1;
   std::vector<std::string> only;  ///< names of changes, "bits", "strength"; empty: all
 
@@ -46,7 +46,7 @@ struct TrustSchedule {
 /// @throws Failure for a scene that cannot be examined.
 [[nodiscard]] std::vector<TrustRun> firstRuns(const SceneFile& scene);
 
-/// What fits into the time, most telling first.
+/// Returns the comparisons that fit into the time, most important first.
 /// @param first  results of firstRuns().
 [[nodiscard]] TrustSchedule scheduled(const SceneFile& scene, const TrustExtent& extent,
                                       const std::vector<TrustForce>& first);
@@ -55,7 +55,7 @@ struct TrustSchedule {
 void take(TrustSchedule& schedule, const TrustScheduled& run, const std::optional<TrustForce>& force,
           const std::string& why_not);
 
-/// The strength that the scene's soil was made for; empty where nobody said.
+/// The strength that the scene's soil was made for; empty where none is known.
 [[nodiscard]] std::optional<SoilTarget> strengthAskedFor(const SceneFile& scene);
 /// Whether there is time for its shear test.
 [[nodiscard]] bool fitsStrength(const TrustExtent& extent);

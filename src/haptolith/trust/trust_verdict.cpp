@@ -23,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kFelt_mean = 0.1;      ///< changes of the mean force that are complained of
-constexpr double kFelt_peak = 0.2;      ///< of the peak
+constexpr double kFelt_peak = 0.2;      ///< changes of the peak
 constexpr double kLeastForce_n = 1e-6;  ///< less is no contact
 
 /// Mean of the ratios minus 1, and its standard error.
@@ -140,7 +140,7 @@ struct TooClose {
   const char* what;
 };
 
-/// What has less than half of the room that rules ask for.
+/// Returns parts with less than half of the room that rules ask for.
 std::vector<TooClose> tooClose(const TrustRoom& room) {
   constexpr double kClearlyLess = 0.5;
   std::vector<TooClose> close;
@@ -201,7 +201,7 @@ double expectedShift(const std::vector<TrustEffect>& effects) {
   return sum;
 }
 
-/// What is too close by rules alone: its effect was measured and is small.
+/// Returns parts that are too close by rules alone: their effect was measured and is small.
 std::vector<std::string> closeButNotFelt(const TrustVerdict& verdict) {
   std::vector<std::string> names;
   for (const TooClose& close : tooClose(verdict.room)) {

@@ -18,7 +18,7 @@ struct TrustShift {
   double error = 0;
 };
 
-/// What a change does to the force: mean over specimens of the force with it over the force without, minus 1.
+/// Effect of a change on the force: mean over specimens of the force with it over the force without, minus 1.
 struct TrustEffect {
   TrustChange change = TrustChange::kNone;
   double radius_ratio = 1;
@@ -35,7 +35,7 @@ struct TrustForces {
   std::string why_not;
 };
 
-/// What the rules of soil mechanics say of a box, as lengths over what they ask for; at least 1 is well.
+/// Room in the box as lengths over those that rules of soil mechanics ask for; at least 1 is enough.
 struct TrustRoom {
   double floor = 1;   ///< soil below the tool over the depth that it disturbs
   double wall_x = 1;  ///< distance from the walls over the length of a passive wedge
@@ -43,7 +43,7 @@ struct TrustRoom {
   double grains = 1;  ///< tool's second largest edge over 8 particle diameters
 };
 
-/// How far the force of a scene's movement can be believed.
+/// Extent to which the force of a scene's movement can be believed.
 struct TrustVerdict {
   double mean_n = 0, peak_n = 0;          ///< over specimens
   TrustShift scatter_mean, scatter_peak;  ///< value: SD of one specimen over the mean
@@ -53,7 +53,7 @@ struct TrustVerdict {
   std::optional<TrustStrength> strength;
   std::optional<TrustShift> stress_ratio;   ///< TrustForce::stress_ratio: mean of the specimens, and its error
   double within_mean = 0, within_peak = 0;  ///< relative bounds: see bound()
-  double expected_mean = 0;                 ///< what a larger box and half the radius would add to the mean force
+  double expected_mean = 0;                 ///< expected change of the mean force by a larger box and half the radius
   std::vector<std::string> complaints;      ///< "the box is too narrow along y"
   std::vector<std::string> close;           ///< "the floor": closer than rules allow, but not felt
   std::string sentence;

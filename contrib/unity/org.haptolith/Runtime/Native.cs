@@ -652,8 +652,8 @@ namespace Haptolith
     public static extern int hapto_lab_test(byte* test, IntPtr soil, byte* options, IntPtr progress, void* user, IntPtr* @out);
 
     /// <summary>
-    /// How far the force of a scene's movement can be believed, as `haptolith trust` finds out (docs/reports/trust.md): the soil is
-    /// simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene must have
+    /// Returns how far the force of a scene's movement can be believed, as `haptolith trust` prints it (docs/reports/trust.md): the soil
+    /// is simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene must have
     /// one tool, and is neither stepped nor changed; a virtual hand makes the movement that its file names.
     /// options  TOML: duration_s of the movement, 0.25 to 3600; specimens, 2 to 100; minutes, 0.1 to 10000; threads; NULL or "": one
     ///          motion of the hand, 5, 30, all.

@@ -4,15 +4,15 @@
 
 namespace haptolith {
 
-/// What the soil below a level carries of the soil above it.
+/// Load of the soil above a level on the soil below it.
 struct VerticalLoad {
   double carried_n = 0;  ///< vertical force of contacts between particles across the level
-  double weight_n = 0;   ///< of the particles whose centres are above it
+  double weight_n = 0;   ///< weight of the particles whose centres are above it
 };
 
 /// Load at a height, of soil with contact friction and particles of one size that is at rest, gravity along -z: the
-/// geostatic stress rho g z times the area is its weight. What is missing in `carried_n` hangs on the walls, or moves.
-/// Not for the tick.
+/// geostatic stress rho g z times the area is its weight. The difference hangs on the walls, or moves. Not for the
+/// tick.
 [[nodiscard]] VerticalLoad verticalLoad(const Bed& bed, double height_m);
 
 }  // namespace haptolith

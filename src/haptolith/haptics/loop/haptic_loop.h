@@ -106,7 +106,7 @@ class HapticLoop {
   boost::lockfree::spsc_queue<LoopRequest> requests_;
   std::optional<request::Replace> replacement_;  ///< that waits until its tools have left the soil
   std::array<std::optional<LoopHealth>, ToolSet::kMost> overridden_health_;
-  std::vector<HandState> targets_;  ///< of the hands in this tick
+  std::vector<HandState> targets_;  ///< targets of the hands in this tick
   HelperSchedule helpers_;          ///< scheduling of the threads that share the bed's steps
   std::uint32_t flags_ = 0;         ///< TickFlag of events before the current tick
 };
