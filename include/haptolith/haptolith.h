@@ -357,10 +357,10 @@ HAPTO_API int32_t hapto_lab_test(const char *test, const hapto_soil *soil, const
                                  void *user, hapto_result **out);
 
 /* Returns how far the force of a scene's movement can be believed, as `haptolith trust` prints it (docs/reports/trust.md): the soil
- * is simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene must have
- * one tool, and is neither stepped nor changed; a virtual hand makes the movement that its file names.
- * options  TOML: duration_s of the movement, 0.25 to 3600; specimens, 2 to 100; minutes, 0.1 to 10000; threads; NULL or "": one
- *          motion of the hand, 5, 30, all.
+ * is simulated again with other specimens, a larger box, finer particles, shorter steps and so on. Takes minutes. The scene is
+ * neither stepped nor changed; virtual hands make the movements that its file names.
+ * options  TOML: tool, the name of the one whose force is judged; duration_s of the movement, 0.25 to 3600; specimens, 2 to 100;
+ *          minutes, 0.1 to 10000; threads; NULL or "": the first, one motion of its hand, 5, 30, all.
  * out      the numbers that `--json` prints: "sentence", "mean_within" and "peak_within" (relative, 90 %), "complaints", "effects".
  * Errors: HAPTO_INVALID_PARAMETER with key, value and valid range; HAPTO_FAILURE; HAPTO_STOPPED. Not for the tick. */
 HAPTO_API int32_t hapto_scene_trust(const hapto_scene *scene, const char *options, hapto_progress progress, void *user,

@@ -21,7 +21,7 @@ def lab_tests() -> list[str]:
 def trust(scene: Scene, *, progress: Optional[Progress] = None, **options: object) -> Result:
     """Finds out how far the force of a scene's movement can be believed, as `haptolith trust` does: trust(scene, minutes=2).
 
-    options: duration_s, specimens, minutes, threads. The result has "sentence", "mean_within", "peak_within", "complaints" and
+    options: tool, duration_s, specimens, minutes, threads. The result has "sentence", "mean_within", "peak_within", "complaints" and
     "effects". Takes minutes; Ctrl-C ends it."""
     text = "".join(f"{key} = {toml_value(value)}\n" for key, value in options.items()).encode()
     out = ctypes.c_void_p()

@@ -91,11 +91,12 @@ def test_soils_have_numbers_and_profiles():
 
 def test_the_force_of_a_scene_has_a_bound():
     with hp.Scene("icra2021") as scene:
-        verdict = hp.trust(scene, duration_s=0.5, specimens=2, minutes=0.5, threads=2)
-        assert verdict["sentence"].startswith(("Mean force within", "The force", "No force"))
-        assert {effect["change"] for effect in verdict["effects"]} >= {"wide-x", "deep", "radius", "step"} or verdict["mean_force_n"] == 0
-        with pytest.raises(hp.Error, match="specimens"):
-            hp.trust(scene, specimens=1)
+        verdict = hp.trust(scene, duration_s=2, specimens=2, minutes=1, threads=2, tool="tool")
+        assert verdict["sentence"].startswith(("Mean force within", "The force cannot"))
+        assert verdict["mean_within"] > 0 and {"wide-x", "deep", "radius", "step"} <= {effect["change"] for effect in verdict["effects"]}
+        for wrong in ({"specimens": 1}, {"tool": "left"}, {"seconds": 2}):
+            with pytest.raises(hp.InvalidParameter):
+                hp.trust(scene, **wrong)
 
 
 def test_the_laboratory_measures():

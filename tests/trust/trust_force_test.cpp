@@ -57,6 +57,28 @@ TEST(TrustForce, FollowsTheSurfaceOfDeeperSoil) {
   EXPECT_NEAR(below.reach.depth_m, usual.reach.depth_m, 1e-6);
 }
 
+// Far apart, each of two tools meets the force that it meets alone.
+TEST(TrustForce, IsThatOfTheFirstOfSeveralTools) {
+  const std::string soil = "[bed]\nwidth_mm = 400\nparticles = 800\n";
+  const std::string left = "[hand]\nmotion = 'press'\ncompliance = 'rigid'\nhome_mm = [-150, 0, 85]\n";
+  const SceneFile alone = sceneFileFromText(soil + left, "alone");
+  SceneFile both = sceneFileFromText(
+      soil + left +
+          "[[tools]]\nname = 'left'\n[[tools]]\nname = 'right'\n[tools.hand]\nhome_mm = [150, 0, 85]\ndepth_mm = 10\n",
+      "both");
+  const auto force = [](const SceneFile& scene) {
+    return measureForce(*planned(scene, TrustChange::kNone, 0).run, kDuration_s, 1);
+  };
+  const TrustForce of_left = force(both);
+  EXPECT_EQ(of_left.mean_n, force(alone).mean_n);
+  exchangeFirst(both, toolNumber(both, "right"));
+  const TrustForce of_right = force(both);
+  EXPECT_LT(of_right.reach.depth_m, of_left.reach.depth_m - 0.005);
+  EXPECT_NE(of_right.mean_n, of_left.mean_n);
+  const TrustBits bits = checkBits(*planned(both, TrustChange::kNone, 0).run, 1);
+  EXPECT_TRUE(bits.threads && bits.restart);
+}
+
 TEST(TrustForce, CanBeInterrupted) {
   EXPECT_THROW(
       (void)measureForce(runOf(), kDuration_s, 1, [](std::string_view, double fraction) { return fraction < 0.6; }),

@@ -46,6 +46,7 @@ struct TrustOptions {
   SceneOptions scene;
   std::optional<double> duration_s;
   TrustExtent extent;
+  std::string tool;  ///< name; empty: the first
   bool quick = false;
   std::string folder;
   bool resume = false, json = false;
@@ -148,8 +149,8 @@ class Examination {
 
 Examination::Examination(const TrustOptions& options)
     : options_(options), scene_(sceneFileFor(options.scene)), extent_(options.extent) {
-  requireOneTool(scene_, "a verdict");
   validate(scene_);
+  exchangeFirst(scene_, options.tool.empty() ? 0 : toolNumber(scene_, options.tool));
   extent_.duration_s = options.duration_s.value_or(usualDuration(scene_));
   extent_.threads = threadsFor(options.scene.threads.value_or(0));
   extent_.minutes = options.quick ? kQuick_min : extent_.minutes;
@@ -339,8 +340,9 @@ void Examination::report() {
     text += fmt::format("  Bits on one and two threads: {}. Continued from a saved state: {}.\n",
                         bits_->threads ? "equal" : "different", bits_->restart ? "equal" : "different");
   }
-  text += fmt::format("  Work of the tool {:.3g} J; the soil holds {:.3g} J more at the end, friction took the rest.\n",
-                      work_j / extent_.specimens, gain_j / extent_.specimens);
+  text +=
+      fmt::format("  Work of the tools {:.3g} J; the soil holds {:.3g} J more at the end, friction took the rest.\n",
+                  work_j / extent_.specimens, gain_j / extent_.specimens);
   text += fmt::format("  {}\n", durationText(took_s_));
   printText(text);
 }
@@ -369,6 +371,8 @@ void addTrustCommand(CLI::App& app) {
   auto options = std::make_shared<TrustOptions>();
   CLI::App* command = app.add_subcommand("trust", kTrustDescription);
   options->scene.addTo(*command);
+  command->add_option("--tool", options->tool,
+                      "Name of the tool whose force is judged, where there are several [the first]");
   command->add_option("--duration-s", options->duration_s, "Length of the movement [one motion of the hand]")
       ->option_text("SECONDS");
   command->add_option("--specimens", options->extent.specimens, "Number of specimens of each comparison, 2 to 100")

@@ -134,12 +134,15 @@ std::int32_t hapto_scene_trust(const hapto_scene* scene, const char* options, ha
   Progress progress(told, user);
   return progress.status([&] {
     readEnvironment();
-    const SceneFile& scene_file = claim->sceneFile();
+    SceneFile scene_file = claim->sceneFile();
     TrustExtent extent{.duration_s = usualDuration(scene_file), .threads = allThreads(), .only = {}};
+    std::string tool(scene_file.tool_name);
     readOptions(textOrNothing(options),
-                {numberOption("duration_s", extent.duration_s, ""), numberOption("minutes", extent.minutes, ""),
+                {textOption("tool", tool, ""), numberOption("duration_s", extent.duration_s, ""),
+                 numberOption("minutes", extent.minutes, ""),
                  countOption("specimens", extent.specimens, TrustExtent::kSpecimens, ""),
                  countOption("threads", extent.threads, BedRanges::threads, "")});
+    exchangeFirst(scene_file, toolNumber(scene_file, tool));
     const TrustVerdict verdict = examined(
         scene_file, extent, [&progress](std::string_view what, double share) { return progress.tell(what, share); });
     *out = handleOf({.json = trustJson(verdict)});

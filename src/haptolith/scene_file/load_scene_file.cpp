@@ -280,13 +280,7 @@ void changeTools(const TomlReader& reader, From from, SceneFile& scene) {
     exchangeFirst(scene, i);
   }
   for (TomlReader& table : reader.parts(kTools.name, "tool")) {
-    const std::string name = toolNameIn(table);
-    const std::vector<std::string_view> names = toolNames(scene);
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end()) {
-      throw InvalidParameter("tools", inQuotes(name), fmt::format("one of {}", fmt::join(names, ", ")));
-    }
-    const auto i = static_cast<std::size_t>(found - names.begin());
+    const std::size_t i = toolNumber(scene, toolNameIn(table));
     exchangeFirst(scene, i);
     readTool(table, from, scene);
     exchangeFirst(scene, i);

@@ -57,6 +57,15 @@ std::vector<std::string_view> toolNames(const SceneFile& scene_file) {
   return names;
 }
 
+std::size_t toolNumber(const SceneFile& scene_file, std::string_view name) {
+  const std::vector<std::string_view> names = toolNames(scene_file);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) {
+    throw InvalidParameter("tools", inQuotes(name), fmt::format("one of {}", fmt::join(names, ", ")));
+  }
+  return static_cast<std::size_t>(found - names.begin());
+}
+
 void requireOneTool(const SceneFile& scene_file, std::string_view what) {
   if (!scene_file.more_tools.empty()) {
     throw InvalidParameter("scenario", fmt::format("'{}' with {} tools", scene_file.title, toolCount(scene_file)),

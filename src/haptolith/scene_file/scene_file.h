@@ -66,6 +66,9 @@ struct SceneFile {
 /// The names of its tools, in order.
 [[nodiscard]] std::vector<std::string_view> toolNames(const SceneFile& scene_file);
 
+/// The number of the tool with that name. @throws InvalidParameter with the valid names.
+[[nodiscard]] std::size_t toolNumber(const SceneFile& scene_file, std::string_view name);
+
 /// @throws InvalidParameter for a name that a tool cannot have.
 void requireToolName(std::string_view name);
 

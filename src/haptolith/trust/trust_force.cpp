@@ -29,15 +29,13 @@ class MovingScene {
       scene_.refineSteps(run.step_factor);
     }
     surface_m_ = scene_.bed().surfaceHeight();
-    const double raised_m = run.usual_surface_m ? surface_m_ - *run.usual_surface_m : 0;
-    file_.hand.surface_m = file_.hand.surface_m ? *file_.hand.surface_m + raised_m : surface_m_;
-    HandlingParameters handling = handlingOf(file_, *file_.hand.surface_m);
-    handling.mapping.offset_m += run.shift_m;
-    if (file_.hand.motion == HandMotion::kPoses) {  // which are places in the scene
-      handling.mapping.offset_m.z() += raised_m;
+    std::vector<ToolHandling> handlings;
+    for (std::size_t tool = 0; tool < toolCount(file_); ++tool) {
+      exchangeFirst(file_, tool);
+      handlings.push_back(handlingOfFirst(run));
+      exchangeFirst(file_, tool);
     }
-    hand_ = std::make_unique<VirtualHand>(file_.hand, file_.bed.tick_s);
-    loop_ = std::make_unique<HapticLoop>(scene_, *hand_, file_.loop, false, handling);
+    loop_ = std::make_unique<HapticLoop>(scene_, handlings, file_.loop, false);
   }
 
   /// One tick. @return whether the movement continues. @throws Failure when it cannot.
@@ -47,6 +45,16 @@ class MovingScene {
       return end == LoopEnd::kRunning;
     }
     throw Failure(fmt::format("the movement ended at {:.3f} s: {}", loop_->time(), text(end)));
+  }
+
+  /// Movements of all hands in the next tick, whatever the soil does. Not together with tick().
+  [[nodiscard]] std::vector<HandState> nextMovements() {
+    std::vector<HandState> movements;
+    for (const auto& hand : hands_) {
+      const DeviceInput input = hand->read();
+      movements.push_back({{input.pose, input.twist}, input.gripper_open});
+    }
+    return movements;
   }
 
   [[nodiscard]] Scene& scene() noexcept { return scene_; }
@@ -60,7 +68,23 @@ class MovingScene {
     file.loop.real_time = false;
     file.loop.duration_s = 0;
     file.device = {};  // the scene's movement, whatever device it names
+    for (SceneTool& tool : file.more_tools) {
+      tool.device = {};
+    }
     return file;
+  }
+
+  /// A virtual hand for the tool that is the first now, and its handling.
+  ToolHandling handlingOfFirst(const TrustRun& run) {
+    const double raised_m = run.usual_surface_m ? surface_m_ - *run.usual_surface_m : 0;
+    file_.hand.surface_m = file_.hand.surface_m ? *file_.hand.surface_m + raised_m : surface_m_;
+    HandlingParameters handling = handlingOf(file_, *file_.hand.surface_m);
+    handling.mapping.offset_m += run.shift_m;
+    if (file_.hand.motion == HandMotion::kPoses) {  // which are places in the scene
+      handling.mapping.offset_m.z() += raised_m;
+    }
+    hands_.push_back(std::make_unique<VirtualHand>(file_.hand, file_.bed.tick_s));
+    return {hands_.back().get(), handling};
   }
 
   static SettleProgress settling(const TrustProgress& progress) {
@@ -76,7 +100,7 @@ class MovingScene {
   SceneFile file_;
   Scene scene_;
   double surface_m_ = 0;
-  std::unique_ptr<VirtualHand> hand_;
+  std::vector<std::unique_ptr<VirtualHand>> hands_;
   std::unique_ptr<HapticLoop> loop_;
 };
 
@@ -175,18 +199,20 @@ TrustForce measureForce(const TrustRun& run, double duration_s, int threads, con
   std::vector<double> force_n;
   force_n.reserve(ticks);
   constexpr std::size_t kTicksPerLook = 20;
-  Pose before = scene.toolPose();
+  std::vector<Pose> before(scene.tools());
   bool going_on = true;
   while (going_on && force_n.size() < ticks) {
     going_on = movement.tick();
-    const Wrench& soil = scene.soilWrench();
-    const Pose& now = scene.toolPose();
-    force_n.push_back(soil.force_n.norm());
-    if (force_n.size() > 1) {  // in the first tick it is placed
-      force.work_j -= soil.force_n.dot(now.position_m - before.position_m) +
-                      soil.torque_nm.dot(rotationBetween(before.orientation, now.orientation));
+    force_n.push_back(scene.soilWrench().force_n.norm());
+    for (std::size_t tool = 0; tool < before.size(); ++tool) {
+      const Pose& now = scene.toolPose(tool);
+      if (force_n.size() > 1) {  // in the first tick it is placed
+        const Wrench& soil = scene.soilWrench(tool);
+        force.work_j -= soil.force_n.dot(now.position_m - before[tool].position_m) +
+                        soil.torque_nm.dot(rotationBetween(before[tool].orientation, now.orientation));
+      }
+      before[tool] = now;
     }
-    before = now;
     if (force_n.size() % kTicksPerLook == 0) {
       extend(force.reach, scene, force.surface_m);
       requireGoingOn(progress, "the tool moves",
@@ -211,13 +237,11 @@ TrustBits checkBits(const TrustRun& run, double duration_s, const TrustProgress&
   std::unique_ptr<Scene> continued;
 
   // The soil does not move the hand here: all scenes get one movement.
-  VirtualHand hand(file.hand, file.bed.tick_s);
-  const auto target = [&] {
-    const DeviceInput input = hand.read();
-    return HandState{{input.pose, input.twist}, input.gripper_open};
-  };
-  one.placeTool(target());
-  two.placeTool({{one.toolPose(), {}}, 1});
+  const std::vector<HandState> begun = moving.nextMovements();
+  for (std::size_t tool = 0; tool < begun.size(); ++tool) {
+    one.placeTool({{begun[tool].pose, {}}, 1}, tool);
+    two.placeTool({{begun[tool].pose, {}}, 1}, tool);
+  }
   const std::size_t ticks = ticksFor(run.scene, duration_s);
   for (std::size_t tick = 0; tick < ticks; ++tick) {
     if (tick % 100 == 0) {
@@ -226,9 +250,9 @@ TrustBits checkBits(const TrustRun& run, double duration_s, const TrustProgress&
     if (tick == ticks / 2) {
       continued = std::make_unique<Scene>(file.bed, toolSet(file), one.save());
     }
-    const HandState hand_now = target();
+    const std::vector<HandState> movements = moving.nextMovements();
     for (Scene* scene : {&one, &two, continued.get()}) {
-      if (scene != nullptr && scene->tick(hand_now) != StepStatus::kOk) {
+      if (scene != nullptr && scene->tickAll(movements) != StepStatus::kOk) {
         throw Failure("the movement could not be rendered");
       }
     }

@@ -33,7 +33,7 @@ struct TrustForce {
   std::size_t particles = 0;
   int substeps = 0;
   double settling_s = 0, movement_s = 0;  ///< time of this machine
-  // Energy: what the tool gave to the soil, and what the soil holds more of at the end. The rest is friction's.
+  // Energy: work of the tools on the soil, and its increase in the soil. The difference is friction's.
   double work_j = 0, energy_gain_j = 0;
   /// Stress at rest over rho g z, mean of five levels (verticalLoad()); empty where that is not known.
   std::optional<double> stress_ratio{};

@@ -64,6 +64,9 @@ std::string stiffen(SceneFile& scene) {
   scene.bed.soil.stiffness_n_m *= 2;
   scene.bed.soil.gamma_nm *= 2;
   scene.tool.stiffness_n_m *= 2;
+  for (SceneTool& tool : scene.more_tools) {
+    tool.tool.stiffness_n_m *= 2;
+  }
   return {};
 }
 
@@ -163,9 +166,7 @@ PlannedRun planned(const SceneFile& scene, TrustChange change, std::size_t speci
     return {{}, std::move(why_not)};
   }
   try {
-    if (run.scene.tool.shape == ToolShape::kMesh) {
-      makeToolMesh(run.scene);
-    }
+    makeToolMesh(run.scene);
     validate(run.scene);
   } catch (const InvalidParameter& refused) {
     return {{}, refused.what()};

@@ -165,7 +165,6 @@ bool fitsStrength(const TrustExtent& extent) {
 }
 
 TrustVerdict examined(const SceneFile& scene, const TrustExtent& extent, const TrustProgress& progress) {
-  requireOneTool(scene, "a verdict");
   validate(extent);
   validate(scene);
   std::vector<TrustForce> first;

@@ -60,8 +60,8 @@ void take(TrustSchedule& schedule, const TrustScheduled& run, const std::optiona
 /// Whether there is time for its shear test.
 [[nodiscard]] bool fitsStrength(const TrustExtent& extent);
 
-/// The whole examination of a scene with one tool. @throws InvalidParameter for an extent or a scene that is not valid;
-/// Failure when the scene cannot be simulated, or is cancelled. Not for the tick.
+/// The whole examination of a scene; the force is that on its first tool. @throws InvalidParameter for an extent or a
+/// scene that is not valid; Failure when the scene cannot be simulated, or is cancelled. Not for the tick.
 [[nodiscard]] TrustVerdict examined(const SceneFile& scene, const TrustExtent& extent,
                                     const TrustProgress& progress = {});
 
