@@ -48,14 +48,14 @@ def shift(effects: dict[str, dict], change: str) -> str:
     return f"{100 * factor * effect['mean']['change']:+.0f} ± {100 * abs(factor) * effect['mean']['standard_error']:.0f}"
 
 
-def row(scene: str, told: dict) -> str:
+def row(scene: str, verdict: dict) -> str:
     """A line of the table."""
-    if told["mean_force_n"] < 1e-6:
+    if verdict["mean_force_n"] < 1e-6:
         return f"| {scene} | 0 | | | | | | | | | | no force in this movement |"
-    effects = {effect["change"]: effect for effect in told["effects"]}
-    return (f"| {scene} | {told['mean_force_n']:.2g} | {percent(told['mean_within'])} | {told['peak_force_n']:.2g} | {percent(told['peak_within'])} "
-            f"| ± {percent(told['scatter_mean'])} | {shift(effects, 'wide-x')}; {shift(effects, 'wide-y')} | {shift(effects, 'deep')} "
-            f"| {shift(effects, 'radius')} | {shift(effects, 'step')} | {shift(effects, 'stiff')} | {', '.join(told['complaints'] + [f'near: {what}' for what in told['near_but_not_felt']]) or 'none'} |")
+    effects = {effect["change"]: effect for effect in verdict["effects"]}
+    return (f"| {scene} | {verdict['mean_force_n']:.2g} | {percent(verdict['mean_within'])} | {verdict['peak_force_n']:.2g} | {percent(verdict['peak_within'])} "
+            f"| ± {percent(verdict['scatter_mean'])} | {shift(effects, 'wide-x')}; {shift(effects, 'wide-y')} | {shift(effects, 'deep')} "
+            f"| {shift(effects, 'radius')} | {shift(effects, 'step')} | {shift(effects, 'stiff')} | {', '.join(verdict['complaints'] + [f'near: {what}' for what in verdict['near_but_not_felt']]) or 'none'} |")
 
 
 def write(head: str, scene: str, line: str) -> None:
@@ -76,9 +76,9 @@ def trust(scene: str, *options: str) -> dict | None:
     if done.returncode != 0:
         print(f"{scene}: exit status {done.returncode}", file=sys.stderr)
         return None
-    told = json.loads(done.stdout)
-    print(f"{scene}: {told['took_s']:.0f} s: {told['sentence']}", file=sys.stderr)
-    return told
+    verdict = json.loads(done.stdout)
+    print(f"{scene}: {verdict['took_s']:.0f} s: {verdict['sentence']}", file=sys.stderr)
+    return verdict
 
 
 def test(number: int) -> None:
@@ -115,8 +115,8 @@ def main() -> None:
             test(number)
         return
     for scene in asked.scenes or sorted(path.stem for path in (SOURCE / "scenes").glob("*.toml")):
-        if told := trust(scene, "--minutes", f"{asked.minutes:g}"):
-            write(HEAD, scene, row(scene, told))
+        if verdict := trust(scene, "--minutes", f"{asked.minutes:g}"):
+            write(HEAD, scene, row(scene, verdict))
 
 
 if __name__ == "__main__":

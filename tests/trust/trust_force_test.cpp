@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -21,8 +20,6 @@ TEST(TrustForce, SummarisesTheMovement) {
   const TrustForce force = measureForce(runOf({"hand.motion='press'", "hand.compliance='rigid'"}), kDuration_s, 1);
   EXPECT_GT(force.mean_n, 0);
   EXPECT_GT(force.peak_n, force.mean_n);
-  ASSERT_EQ(force.window_n.size(), 8U) << "of 0.25 s";
-  EXPECT_NEAR(std::accumulate(force.window_n.begin(), force.window_n.end(), 0.0) / 8, force.mean_n, 1e-12);
   EXPECT_EQ(force.particles, 256U);
   EXPECT_NEAR(force.reach.depth_m, 0.02 + 0.005 / 2, 5e-4) << "the hand's depth and half of the tool's height";
   EXPECT_NEAR(force.reach.to_floor_m, force.surface_m - force.reach.depth_m, 1e-9);
@@ -32,16 +29,18 @@ TEST(TrustForce, SummarisesTheMovement) {
 }
 
 TEST(TrustForce, IsTheSameOnAnyNumberOfThreadsAndEveryTime) {
-  const TrustForce one = measureForce(runOf(), 0.5, 1), two = measureForce(runOf(), 0.5, 2);
+  const TrustForce one = measureForce(runOf(), kDuration_s, 1), two = measureForce(runOf(), kDuration_s, 2);
+  EXPECT_GT(one.mean_n, 0) << "else nothing has moved";
   EXPECT_EQ(one.hash, two.hash);
   EXPECT_EQ(one.mean_n, two.mean_n);
-  const TrustBits bits = checkBits(runOf(), 0.5);
+  const TrustBits bits = checkBits(runOf(), kDuration_s);
   EXPECT_TRUE(bits.threads);
   EXPECT_TRUE(bits.restart);
 }
 
 TEST(TrustForce, TakesStepsHalfAsLong) {
-  const TrustForce usual = measureForce(runOf(), 0.5, 1), halved = measureForce(runOf({}, TrustChange::kStep), 0.5, 1);
+  const TrustForce usual = measureForce(runOf(), kDuration_s, 1);
+  const TrustForce halved = measureForce(runOf({}, TrustChange::kStep), kDuration_s, 1);
   EXPECT_EQ(halved.substeps, 2 * usual.substeps);
   EXPECT_NE(halved.hash, usual.hash);
 }

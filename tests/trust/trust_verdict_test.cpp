@@ -22,7 +22,6 @@ using testing::Not;
 TrustForce forceOf(double mean_n, double peak_n) {
   return {.mean_n = mean_n,
           .peak_n = peak_n,
-          .window_n = {},
           .reach = {.depth_m = 0.01, .to_floor_m = 0.2, .to_wall_x_m = 0.2, .to_wall_y_m = 0.2}};
 }
 

@@ -1,5 +1,6 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -70,7 +71,6 @@ std::string nameOf(const TrustRun& run) {
 Json forceJson(const TrustForce& force) {
   return {{"mean_n", force.mean_n},
           {"peak_n", force.peak_n},
-          {"windows_n", force.window_n},
           {"depth_m", force.reach.depth_m},
           {"to_floor_m", force.reach.to_floor_m},
           {"to_wall_x_m", force.reach.to_wall_x_m},
@@ -90,7 +90,6 @@ TrustForce forceFrom(const Json& json) {
   TrustForce force;
   json.at("mean_n").get_to(force.mean_n);
   json.at("peak_n").get_to(force.peak_n);
-  json.at("windows_n").get_to(force.window_n);
   json.at("depth_m").get_to(force.reach.depth_m);
   json.at("to_floor_m").get_to(force.reach.to_floor_m);
   json.at("to_wall_x_m").get_to(force.reach.to_wall_x_m);
@@ -237,7 +236,7 @@ void Examination::complete() {
     }
   }
   KeptWork work(std::move(lengths_s), extent_.threads, status_);
-  work.run(missing, folder_ ? folder_->path() : "no folder (see --out)", [&](std::size_t index) {
+  const auto simulate = [&](std::size_t index) {
     const TrustScheduled& run = schedule_.runs[index];
     const std::string title =
         fmt::format("{}, specimen {}", titleOf(run.run.change, run.run.radius_ratio), run.run.specimen + 1);
@@ -248,11 +247,18 @@ void Examination::complete() {
                  ? fmt::format("{}: mean {:.3g}, peak {:.3g} N", title, result.force->mean_n, result.force->peak_n)
                  : fmt::format("{}: {}", title, result.why_not);
     });
-  });
+  };
+  try {
+    work.run(missing, folder_ ? folder_->path() : "", simulate);
+  } catch (const Failure&) {
+    if (stopAsked() && !folder_) {
+      throw Failure("interrupted: nothing was saved; with --out FOLDER results are kept, and --resume continues");
+    }
+    throw;
+  }
   if (extent_.wants("bits")) {
     Progress progress(status_);
-    constexpr double kLongest_s = 1;
-    bits_ = checkBits(firstRuns(scene_).front(), std::min(extent_.duration_s, kLongest_s),
+    bits_ = checkBits(firstRuns(scene_).front(), extent_.duration_s,
                       [&](std::string_view what, double fraction) { return progress.tell(what, fraction); });
   }
   if (extent_.wants("strength") && fitsStrength(extent_)) {
@@ -269,7 +275,12 @@ void Examination::measureStrengthOnce() {
   }
   const std::string name = "strength";
   if (const std::optional<Json> saved = folder_ ? folder_->result(name) : std::nullopt) {
-    strength_ = strengthFrom(*saved);
+    try {
+      strength_ = strengthFrom(*saved);
+    } catch (const Json::exception&) {
+      throw Failure(fmt::format("{} is not a result of trust: remove it, and --resume repeats the test",
+                                folder_->resultFile(name).string()));
+    }
     return;
   }
   Progress progress(status_);
@@ -291,6 +302,23 @@ std::string Examination::command() const {
   for (const std::string& key : options_.scene.overrides) {
     command += fmt::format(" --set {}", key);
   }
+  const auto add = [&](std::string_view option, const auto& value) {
+    command += value ? fmt::format(" --{} {}", option, *value) : "";
+  };
+  add("preset", options_.scene.preset);
+  add("soil", options_.scene.soil);
+  add("body", options_.scene.body);
+  add("poses", options_.scene.poses_file);
+  add("seed", options_.scene.seed);
+  add("duration-s", options_.duration_s);
+  if (options_.scene.friction) {
+    command += fmt::format(" --friction-model {}", wordFor(kFrictionWords, *options_.scene.friction));
+  }
+  if (options_.scene.motion) {
+    command += fmt::format(" --motion {}", wordFor(kHandMotionWords, *options_.scene.motion));
+  }
+  command += options_.tool.empty() ? "" : fmt::format(" --tool {}", options_.tool);
+  command += extent_.only.empty() ? "" : fmt::format(" --only {}", fmt::join(extent_.only, ","));
   command += options_.quick                             ? " --quick"
              : extent_.minutes != TrustExtent{}.minutes ? fmt::format(" --minutes {:g}", extent_.minutes)
                                                         : "";
@@ -316,10 +344,14 @@ void Examination::report() {
     savePage(verdict);
   }
   double work_j = 0, gain_j = 0;
+  int specimens = 0;  // at least 2, or there is no verdict
   for (const std::optional<TrustForce>& force : schedule_.rows.front().specimens) {
     work_j += force ? force->work_j : 0;
     gain_j += force ? force->energy_gain_j : 0;
+    specimens += force ? 1 : 0;
   }
+  work_j /= specimens;
+  gain_j /= specimens;
   if (options_.json) {
     Json json{{"scene", options_.scene.scene()},
               {"title", scene_.title},
@@ -330,7 +362,7 @@ void Examination::report() {
     if (bits_) {
       json["same_bits"] = {{"threads", bits_->threads}, {"restart", bits_->restart}};
     }
-    json["energy_j"] = {{"work", work_j / extent_.specimens}, {"gain", gain_j / extent_.specimens}};
+    json["energy_j"] = {{"work", work_j}, {"gain", gain_j}};
     json["took_s"] = took_s_;
     printJson(json);
     return;
@@ -342,7 +374,7 @@ void Examination::report() {
   }
   text +=
       fmt::format("  Work of the tools {:.3g} J; the soil holds {:.3g} J more at the end, friction took the rest.\n",
-                  work_j / extent_.specimens, gain_j / extent_.specimens);
+                  work_j, gain_j);
   text += fmt::format("  {}\n", durationText(took_s_));
   printText(text);
 }

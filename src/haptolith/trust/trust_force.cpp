@@ -7,6 +7,8 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 #include "haptolith/bed/measure/vertical_load.h"
 #include "haptolith/core/clock.h"
@@ -121,26 +123,13 @@ void extend(TrustReach& reach, const Scene& scene, double surface_m) {
   }
 }
 
-double meanOf(const std::vector<double>& numbers, std::size_t first, std::size_t count) {
-  double sum = 0;
-  for (std::size_t i = first; i < first + count; ++i) {
-    sum += numbers[i];
-  }
-  return sum / static_cast<double>(count);
-}
-
-/// Mean, peak and windows of the magnitudes, one for each tick.
+/// Mean and peak of the magnitudes, one for each tick.
 void summarise(const std::vector<double>& force_n, double tick_s, TrustForce& force) {
   if (force_n.empty()) {
     return;
   }
-  force.mean_n = meanOf(force_n, 0, force_n.size());
-  const auto ticksOf = [&](double time_s) { return static_cast<std::size_t>(std::lround(time_s / tick_s)); };
-  const std::size_t window = ticksOf(TrustForce::kWindow_s);
-  for (std::size_t first = 0; first + window <= force_n.size(); first += window) {
-    force.window_n.push_back(meanOf(force_n, first, window));
-  }
-  const std::size_t peak = std::min(ticksOf(TrustForce::kPeak_s), force_n.size());
+  force.mean_n = std::accumulate(force_n.begin(), force_n.end(), 0.0) / static_cast<double>(force_n.size());
+  const auto peak = std::min(static_cast<std::size_t>(std::lround(TrustForce::kPeak_s / tick_s)), force_n.size());
   double sum = 0;
   for (std::size_t i = 0; i < force_n.size(); ++i) {
     sum += force_n[i] - (i >= peak ? force_n[i - peak] : 0);

@@ -5,7 +5,6 @@
 #include <functional>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "haptolith/soil/soil_target.h"
 #include "haptolith/trust/trust_plan.h"
@@ -22,12 +21,10 @@ struct TrustReach {
 
 /// The force of one run: the soil's on the first tool, magnitudes.
 struct TrustForce {
-  static constexpr double kWindow_s = 0.25;  ///< length of the windows
-  static constexpr double kPeak_s = 0.03;    ///< a peak is a mean over as long: what the loop's filter lets through
+  static constexpr double kPeak_s = 0.03;  ///< a peak is a mean over as long: what the loop's filter lets through
 
   double mean_n = 0;
   double peak_n = 0;
-  std::vector<double> window_n;  ///< means over consecutive windows
   TrustReach reach;
   double surface_m = 0;  ///< surface of the soil at the beginning, scene frame
   std::size_t particles = 0;
@@ -50,7 +47,7 @@ using TrustProgress = std::function<bool(std::string_view what, double fraction)
                                       const TrustProgress& progress = {});
 
 /// Whether a scene is the same bit for bit on one and two threads, and when it is saved in the middle of a movement
-/// and continued by another scene. Takes two to three times as long as the movement.
+/// and continued by another scene. Takes three times as long as the movement.
 struct TrustBits {
   bool threads = false;
   bool restart = false;

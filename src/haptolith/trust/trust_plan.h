@@ -41,12 +41,13 @@ struct TrustRun {
 /// A row's title: "box twice as wide, x"; of kRadius for this ratio.
 [[nodiscard]] std::string titleOf(TrustChange change, double radius_ratio = 1);
 
-/// Simulates one specimen of a scene under a change.
-/// @return why this scene cannot be changed so: "its particles have given places"; empty with a run.
+/// A run, or the reason why a scene cannot be changed so.
 struct PlannedRun {
   std::optional<TrustRun> run;
-  std::string why_not;
+  std::string why_not;  ///< "its particles have given places"; empty with a run
 };
+
+/// Returns one specimen of a scene under a change.
 [[nodiscard]] PlannedRun planned(const SceneFile& scene, TrustChange change, std::size_t specimen,
                                  double radius_ratio = 1);
 

@@ -15,7 +15,7 @@ namespace haptolith {
 struct TrustExtent {
   static constexpr Range kSpecimens{2, 100};
   static constexpr Range kMinutes{0.1, 1e4};
-  static constexpr Range kDuration_s{TrustForce::kWindow_s, 3600};
+  static constexpr Range kDuration_s{0.25, 3600};
 
   double duration_s = 4;  ///< length of the movement
   int specimens = 5;      ///< number for each comparison; 3 where there is no time for more
