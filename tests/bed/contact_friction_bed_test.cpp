@@ -14,8 +14,9 @@
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/core/error.h"
+#include "haptolith/soil/printed_law.h"
 
-#include "contact_friction_reference.h"
+#include "reference_bed.h"
 
 namespace haptolith {
 namespace {

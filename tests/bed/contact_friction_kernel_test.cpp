@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "haptolith/bed/kernel/step_kernel.h"
+#include "haptolith/bed/measure/reference_contact.h"
 #include "haptolith/core/vec.h"
 
-#include "contact_friction_reference.h"
 #include "every_target.h"
 
 namespace haptolith {

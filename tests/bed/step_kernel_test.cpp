@@ -9,8 +9,8 @@
 
 #include "haptolith/core/vec.h"
 #include "haptolith/soil/presets.h"
+#include "haptolith/soil/printed_law.h"
 
-#include "../printed_law.h"
 #include "every_target.h"
 
 namespace haptolith {

@@ -7,8 +7,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/soil/presets.h"
-
-#include "../printed_law.h"
+#include "haptolith/soil/printed_law.h"
 
 namespace haptolith {
 namespace {

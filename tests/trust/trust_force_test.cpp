@@ -38,6 +38,14 @@ TEST(TrustForce, IsTheSameOnAnyNumberOfThreadsAndEveryTime) {
   EXPECT_TRUE(bits.restart);
 }
 
+TEST(TrustForce, SaysHowLargeRoundingIs) {
+  EXPECT_FALSE(checkBits(runOf({"soil.friction_model='icra2021'"}), kDuration_s).rounding) << "no double step of it";
+  const TrustBits bits = checkBits(runOf({"soil.friction_model='contact'"}), kDuration_s);
+  ASSERT_TRUE(bits.rounding);
+  EXPECT_GT(*bits.rounding, 0);
+  EXPECT_LT(*bits.rounding, 1e-3);
+}
+
 TEST(TrustForce, TakesStepsHalfAsLong) {
   const TrustForce usual = measureForce(runOf(), kDuration_s, 1);
   const TrustForce halved = measureForce(runOf({}, TrustChange::kStep), kDuration_s, 1);

@@ -361,6 +361,7 @@ void Examination::report() {
     json.update(trustJson(verdict));
     if (bits_) {
       json["same_bits"] = {{"threads", bits_->threads}, {"restart", bits_->restart}};
+      json["rounding"] = bits_->rounding ? Json(*bits_->rounding) : Json(nullptr);
     }
     json["energy_j"] = {{"work", work_j}, {"gain", gain_j}};
     json["took_s"] = took_s_;
@@ -371,6 +372,11 @@ void Examination::report() {
   if (bits_) {
     text += fmt::format("  Bits on one and two threads: {}. Continued from a saved state: {}.\n",
                         bits_->threads ? "equal" : "different", bits_->restart ? "equal" : "different");
+    text += bits_->rounding ? fmt::format(
+                                  "  A step in single precision differs from one in double by {:.1e} of the "
+                                  "contact forces.\n",
+                                  *bits_->rounding)
+                            : "";
   }
   text +=
       fmt::format("  Work of the tools {:.3g} J; the soil holds {:.3g} J more at the end, friction took the rest.\n",

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <vector>
 
+#include "haptolith/bed/measure/double_step.h"
 #include "haptolith/bed/measure/vertical_load.h"
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
@@ -232,7 +233,12 @@ TrustBits checkBits(const TrustRun& run, double duration_s, const TrustProgress&
     two.placeTool({{begun[tool].pose, {}}, 1}, tool);
   }
   const std::size_t ticks = ticksFor(run.scene, duration_s);
+  TrustBits bits;
   for (std::size_t tick = 0; tick < ticks; ++tick) {
+    if (hasDoubleStep(one.bed()) && ticks >= 4 && tick > 0 && tick % (ticks / 4) == 0) {
+      const StepError error = compareWithDouble(one.bed(), file.bed.tick_s / one.substeps());
+      bits.rounding = std::max(bits.rounding.value_or(0), error.force_n > 0 ? error.error_n / error.force_n : 0);
+    }
     if (tick % 100 == 0) {
       requireGoingOn(progress, "bits are compared", static_cast<double>(tick) / static_cast<double>(ticks));
     }
@@ -246,7 +252,9 @@ TrustBits checkBits(const TrustRun& run, double duration_s, const TrustProgress&
       }
     }
   }
-  return {.threads = one.hash() == two.hash(), .restart = continued && one.hash() == continued->hash()};
+  bits.threads = one.hash() == two.hash();
+  bits.restart = continued && one.hash() == continued->hash();
+  return bits;
 }
 
 TrustStrength measureStrength(const SoilParameters& soil, const SoilTarget& target, double gravity_m_s2, int threads,

@@ -47,10 +47,13 @@ using TrustProgress = std::function<bool(std::string_view what, double fraction)
                                       const TrustProgress& progress = {});
 
 /// Whether a scene is the same bit for bit on one and two threads, and when it is saved in the middle of a movement
-/// and continued by another scene. Takes three times as long as the movement.
+/// and continued by another scene; and how well it is computed. Takes three times as long as the movement.
 struct TrustBits {
   bool threads = false;
   bool restart = false;
+  /// Error of a step in single precision: largest of three steps, root mean square over that of the contact forces (see
+  /// compareWithDouble()). Empty where hasDoubleStep() is false.
+  std::optional<double> rounding{};
 };
 [[nodiscard]] TrustBits checkBits(const TrustRun& run, double duration_s, const TrustProgress& progress = {});
 

@@ -6,8 +6,9 @@
 
 namespace haptolith {
 
-/// (paper 19) with its three cases as they are printed, in double precision: an independent version.
-inline double printedForce(const SoilParameters& soil, double a) {
+/// F(a) in N (paper 19) with its three cases as they are printed, in double precision: a version of contactForce() that
+/// shares nothing with it. Not for the tick.
+[[nodiscard]] inline double printedForce(const SoilParameters& soil, double a) {
   const double r = soil.radius_m;
   const double ratio = soil.rho0_kg_m3 / soil.rho_max_kg_m3;
   const double a_min = std::sqrt(8.0 / 3 * r * r * ratio * ratio + 4.0 / 3 * r * r);
