@@ -126,5 +126,57 @@ TEST(BearingCapacity, RefusesNonsense) {
   }
 }
 
+/// Critical rigidity indices of square footings as published: Vesic 1973, table.
+TEST(BearingCapacity, HasVesicsPublishedCriticalRigidity) {
+  struct Critical {
+    double deg, index;
+  };
+  for (const auto& [deg, index] : {Critical{10, 15}, Critical{20, 30}, Critical{30, 70}, Critical{40, 225},
+                                   Critical{45, 482}, Critical{50, 1258}}) {
+    Footing footing = kSand;
+    footing.friction_angle_rad = deg * kDegree;
+    EXPECT_NEAR(vesicCompressibleBearing(footing, {.shear_modulus_pa = 1e6}).critical_rigidity_index, index,
+                0.03 * index)
+        << deg;
+  }
+}
+
+TEST(BearingCapacity, OfRigidSoilIsThatOfGeneralFailureAndFallsContinuouslyWithItsModulus) {
+  Footing soil = kSand;
+  soil.depth_m = 0.006;
+  soil.cohesion_pa = 500;
+  const double rigid_pa = vesicBearing(soil).pressure_pa;
+  EXPECT_EQ(vesicCompressibleBearing(soil, {.shear_modulus_pa = 1e9}).pressure_pa, rigid_pa);
+  double before_pa = rigid_pa;
+  for (double modulus_pa = 1e7; modulus_pa > 1e3; modulus_pa /= 1.05) {
+    const CompressibleBearing found = vesicCompressibleBearing(soil, {.shear_modulus_pa = modulus_pa});
+    EXPECT_LE(found.pressure_pa, before_pa);
+    EXPECT_GT(found.pressure_pa, 0.9 * before_pa) << "continuous where soil becomes rigid, too";
+    before_pa = found.pressure_pa;
+  }
+  EXPECT_LT(before_pa, 0.2 * rigid_pa);
+}
+
+/// By hand, with phi = 40 deg, c = 0, D = 0.1 m on the surface of 1600 kg/m^3 on Earth: q' = 785 Pa,
+/// I_r = 20 000 / 659 = 30.4, with 2 % I_rr = 18.9, zeta = exp(-3.189 + 3.07 * 0.3913 * 1.577) = 0.274,
+/// N_gamma = 109.4.
+TEST(BearingCapacity, OfCompressibleSoilAgreesWithACalculationByHand) {
+  const Footing sand{
+      .diameter_m = 0.1, .density_kg_m3 = 1600, .gravity_m_s2 = 9.81, .friction_angle_rad = 40 * kDegree};
+  const CompressibleBearing found = vesicCompressibleBearing(sand, {.shear_modulus_pa = 20'000, .volume_strain = 0.02});
+  EXPECT_NEAR(found.rigidity_index, 18.9, 0.1);
+  EXPECT_NEAR(found.compressibility_factor, 0.274, 0.003);
+  EXPECT_NEAR(found.pressure_pa, 0.274 * 0.3 * 1600 * 9.81 * 0.1 * 109.4, 150);
+}
+
+TEST(BearingCapacity, OfCompressibleSoilRefusesNonsense) {
+  for (const Compressibility& soil : {Compressibility{.shear_modulus_pa = 0}, Compressibility{.shear_modulus_pa = -1},
+                                      Compressibility{.shear_modulus_pa = 1e5, .volume_strain = -0.1},
+                                      Compressibility{.shear_modulus_pa = 1e5, .volume_strain = 1.1},
+                                      Compressibility{.shear_modulus_pa = std::numeric_limits<double>::quiet_NaN()}}) {
+    EXPECT_THROW((void)vesicCompressibleBearing(kSand, soil), InvalidParameter);
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

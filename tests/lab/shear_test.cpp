@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "haptolith/core/error.h"
 
@@ -152,6 +156,48 @@ TEST(Shear, DrawsItsCurvesAndLines) {
     EXPECT_GT(std::filesystem::file_size(path), 5000U);
     std::filesystem::remove(path);
   }
+}
+
+TEST(ShearMemory, SimulatesEqualTestsOnceAlsoForSeveralThreads) {
+  ShearMemory memory;
+  std::atomic<int> simulated = 0;
+  const auto simulate = [&] {
+    ++simulated;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return ShearResult{.points = {}, .peak = {}, .residual = {}, .bulk_density_kg_m3 = 1500};
+  };
+  LabConditions conditions;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&] { EXPECT_EQ(memory.get(conditions, {}, simulate).bulk_density_kg_m3, 1500); });
+  }
+  for (std::thread& thread : threads) {
+    thread.join();
+  }
+  EXPECT_EQ(simulated, 1);
+  const auto simulates_again = [&](const auto& change) {
+    LabConditions other = conditions;
+    ShearOptions options;
+    change(other, options);
+    const int before = simulated;
+    (void)memory.get(other, options, simulate);
+    return simulated == before + 1;
+  };
+  EXPECT_TRUE(simulates_again([](LabConditions& c, ShearOptions&) { c.seed = 2; }));
+  EXPECT_TRUE(simulates_again([](LabConditions& c, ShearOptions&) { c.gravity_m_s2 = 9.807; }));
+  EXPECT_TRUE(simulates_again([](LabConditions& c, ShearOptions&) { c.soil.contact_friction = 0.123; }));
+  EXPECT_TRUE(simulates_again([](LabConditions&, ShearOptions& o) { o.strain = 3; }));
+  EXPECT_FALSE(simulates_again([](LabConditions& c, ShearOptions&) { c.threads = 2; }))
+      << "results do not depend on it";
+}
+
+TEST(ShearMemory, ForgetsATestThatFailed) {
+  ShearMemory memory;
+  EXPECT_THROW((void)memory.get({}, {}, []() -> ShearResult { throw Failure("interrupted"); }), Failure);
+  EXPECT_EQ(
+      memory.get({}, {}, [] { return ShearResult{.points = {}, .peak = {}, .residual = {}, .bulk_density_kg_m3 = 7}; })
+          .bulk_density_kg_m3,
+      7);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ namespace haptolith {
 /// Callback for the progress of a test: current activity, and its completed fraction, 0 to 1. Returns false to cancel.
 using LabProgress = std::function<bool(std::string_view what, double share)>;
 
+class ShearMemory;
+
 /// Conditions common to all tests of the laboratory.
 struct LabConditions {
   SoilParameters soil;
@@ -22,6 +24,7 @@ struct LabConditions {
   std::uint64_t seed = 1;  ///< seed of the specimen's initial particle positions
   int threads = 1;
   LabProgress progress{};
+  ShearMemory* shear_memory = nullptr;  ///< results that several tests share; null: none. Outlives them
 };
 
 /// Time series of a test, one row per sample; column names carry units.

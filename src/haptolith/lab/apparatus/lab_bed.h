@@ -12,8 +12,9 @@ namespace haptolith {
 
 /// Preparation of the soil in the box.
 enum class Preparation {
-  kDense,  ///< as if shaken: has a peak strength
-  kLoose,  ///< as if poured: has no peak, its strength only grows
+  kDense,   ///< as if shaken: has a peak strength
+  kMedium,  ///< as if poured and tapped once: between the other two
+  kLoose,   ///< as if poured: has no peak, its strength only grows
 };
 
 /// Zero of depth. Particles are large, and their tips are higher than the surface of the soil that they represent.
@@ -116,8 +117,10 @@ class LabBed {
     run(duration_s, what, each, {0, 1});
   }
 
-  /// Lets the soil fall until it is at rest. Dense: without friction and cohesion, which are then switched on, until it
-  /// is at rest again. Loose: with them on, which leaves gaps. @throws Failure as run(), and when it does not settle.
+  /// Lets the soil fall until it is at rest. Dense: without friction and cohesion until 99 % of it is at rest, then
+  /// with them until all is. Loose: with them, which leaves gaps. Medium: as loose, then without them for the time that
+  /// a particle takes to fall by its radius, then with them again. @throws Failure as run(), and when it does not
+  /// settle.
   void settle(Preparation preparation = Preparation::kDense);
 
  private:
@@ -126,7 +129,9 @@ class LabBed {
     double begin, end;
   };
   void run(double duration_s, std::string_view what, const std::function<void()>& each, const Part& part);
-  void settleUntilRest(double longest_s, std::string_view what, const Part& part);
+  [[nodiscard]] double fractionFasterThan(double speed_m_s) const noexcept;
+  /// @param still_moving  fraction of the particles that need not be at rest.
+  void settleUntilRest(double longest_s, std::string_view what, const Part& part, double still_moving = 0);
   void meetSoil() noexcept;
 
   LabConditions conditions_;

@@ -147,7 +147,7 @@ LabOutput bladeOutput(const LabSoil& soil, const LabConditions& conditions, Blad
                  {"front_vertical_n", result.front_vertical_n},
                  {"heap_pa", result.heap_pa},
                  {"heap_beside_pa", result.heap_beside_pa},
-                 {"preparation", options.preparation == Preparation::kLoose ? "loose" : "dense"},
+                 {"preparation", preparationWord(options.preparation)},
                  {"friction_angle_deg", degrees(options.friction_angle_rad)},
                  {"cohesion_pa", options.cohesion_pa},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},

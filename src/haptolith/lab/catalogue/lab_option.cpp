@@ -78,10 +78,19 @@ LabOption wordOption(std::string key, std::vector<std::string> words, std::strin
 
 LabOption preparationOption(Preparation& preparation) {
   const auto set = [&preparation](std::string_view word) {
-    preparation = word == "loose" ? Preparation::kLoose : Preparation::kDense;
+    preparation = word == "loose" ? Preparation::kLoose : word == "medium" ? Preparation::kMedium : Preparation::kDense;
   };
-  return wordOption("preparation", {"dense", "loose"}, preparation == Preparation::kLoose ? "loose" : "dense", set,
-                    "Preparation of the soil: dense, as if shaken, or loose, as if poured");
+  return wordOption("preparation", {"dense", "medium", "loose"}, std::string(preparationWord(preparation)), set,
+                    "Preparation of the soil: dense, as if shaken; loose, as if poured; or medium, as if tapped then");
+}
+
+std::string_view preparationWord(Preparation preparation) {
+  switch (preparation) {
+    case Preparation::kDense: return "dense";
+    case Preparation::kMedium: return "medium";
+    case Preparation::kLoose: return "loose";
+  }
+  return "";
 }
 
 LabOption depthFromOption(DepthFrom& from) {

@@ -45,6 +45,7 @@ struct LabOption {
 [[nodiscard]] LabOption wordOption(std::string key, std::vector<std::string> words, std::string usual,
                                    std::function<void(std::string_view)> set, std::string help);
 [[nodiscard]] LabOption preparationOption(Preparation& preparation);
+[[nodiscard]] std::string_view preparationWord(Preparation preparation);
 [[nodiscard]] LabOption depthFromOption(DepthFrom& from);
 
 }  // namespace haptolith

@@ -9,6 +9,7 @@
 
 #include "haptolith/lab/catalogue/entries.h"
 #include "haptolith/lab/report/findings.h"
+#include "haptolith/lab/staged_progress.h"
 #include "haptolith/lab/tests/cone.h"
 #include "haptolith/lab/tests/plate.h"
 #include "haptolith/lab/tests/soil_strength.h"
@@ -38,10 +39,13 @@ void requireOneStrength(const Strength& strength) {
   }
 }
 
+double pressureAt(const PlateResult& result, double sinkage_m) {
+  return forceAt(result.curve, std::min(sinkage_m, result.curve.back().depth_m)) / result.area_m2;
+}
+
 /// Compares the plate with a footing at the same depth, at a sinkage of a tenth of its diameter.
 void compareWithFooting(const PlateResult& result, const Footing& footing, LabOutput& output) {
-  const double pressure_pa =
-      forceAt(result.curve, std::min(footing.depth_m, result.curve.back().depth_m)) / result.area_m2;
+  const double pressure_pa = pressureAt(result, footing.depth_m);
   const double terzaghi_pa = terzaghiBearing(footing).pressure_pa;
   const double local_pa = terzaghiLocalBearing(footing).pressure_pa;
   const double meyerhof_pa = meyerhofBearing(footing).pressure_pa;
@@ -60,6 +64,27 @@ void compareWithFooting(const PlateResult& result, const Footing& footing, LabOu
                             {"meyerhof_pa", meyerhof_pa},
                             {"vesic_pa", vesic_pa},
                             {"terzaghi_local_pa", local_pa}};
+}
+
+/// Compares the plate with a footing that punches into compressible soil, at the sinkage where such soil fails.
+void compareWithPunching(const PlateResult& result, Footing footing, const SoilRigidity& rigidity, LabOutput& output) {
+  constexpr double kFails = 0.2;  // 0.15 to 0.25 D: Das, Principles of Foundation Engineering
+  footing.depth_m = std::min(kFails * footing.diameter_m, result.curve.back().depth_m);
+  const double pressure_pa = pressureAt(result, footing.depth_m);
+  const CompressibleBearing punching = vesicCompressibleBearing(
+      footing, {.shear_modulus_pa = rigidity.shear_modulus_pa, .volume_strain = rigidity.volume_strain});
+  output.text += fmt::format(
+      "  pressure at {:.1f} mm {:.3g} kPa; Vesic for soil that is compressed {:.3g} kPa: rigidity index {:.3g} of the "
+      "{:.3g} of\n  general failure\n",
+      footing.depth_m / kMm, pressure_pa / 1e3, punching.pressure_pa / 1e3, punching.rigidity_index,
+      punching.critical_rigidity_index);
+  output.json["punching"] = {{"sinkage_mm", footing.depth_m / kMm},
+                             {"pressure_pa", pressure_pa},
+                             {"vesic_pa", punching.pressure_pa},
+                             {"shear_modulus_pa", rigidity.shear_modulus_pa},
+                             {"volume_strain", rigidity.volume_strain},
+                             {"rigidity_index", punching.rigidity_index},
+                             {"critical_rigidity_index", punching.critical_rigidity_index}};
 }
 
 /// Returns the strength of undisturbed soil, clamped to the range of the footing equations.
@@ -82,8 +107,13 @@ double lateSlopeRatio(const PlateResult& result) {
 LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& options, Strength strength) {
   constexpr double kSunk = 0.1;   // sinkage over the diameter
   validate(conditions, options);  // fails now, not after minutes
+  StagedProgress progress(conditions.progress);
+  LabConditions staged = conditions;
+  staged.progress = progress.inner();
   if (strength.measured) {
-    strength = measuredStrength(conditions, options.preparation);
+    progress.enter(0, 0.3);
+    strength = measuredStrength(staged, options.preparation);
+    progress.enter(0.3, 0.6);
   }
   Footing footing{.diameter_m = options.diameter_m,
                   .depth_m = std::min(kSunk * options.diameter_m, options.max_sinkage_m),
@@ -94,7 +124,13 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
   if (strength.friction_angle_rad) {
     (void)vesicBearing(footing);  // fails now, not after minutes
   }
-  const PlateResult result = plateTest(conditions, options);
+  std::optional<SoilRigidity> rigidity;
+  if (strength.measured) {
+    const double under_plate_m = footing.depth_m + footing.diameter_m / 2;
+    rigidity = denseRigidity(staged, footing.density_kg_m3 * footing.gravity_m_s2 * under_plate_m);
+  }
+  progress.enter(strength.measured ? 0.6 : 0, 1);
+  const PlateResult result = plateTest(staged, options);
   LabOutput output;
   Json curve = Json::array();
   output.text = "  sinkage / mm   force / N\n";
@@ -119,6 +155,9 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
   if (strength.friction_angle_rad) {
     footing.density_kg_m3 = result.bulk_density_kg_m3;
     compareWithFooting(result, footing, output);
+    if (rigidity) {
+      compareWithPunching(result, footing, *rigidity, output);
+    }
   }
   output.findings = findings(result, options.diameter_m);
   output.trace = result.trace;
@@ -167,6 +206,8 @@ LabTest plateEntry() {
                       millimetresOption("max_sinkage_mm", own->max_sinkage_m, "Largest sinkage"),
                       preparationOption(own->preparation),
                       depthFromOption(own->depth_from),
+                      numberOption("box_diameters", own->bed_width_diameters,
+                                   "Width of the square box, in plate diameters"),
                       millimetresOption("loose_top_mm", own->loose_top_m, "Thickness of the loose layer poured on top"),
                       {.key = "friction_angle_deg",
                        .help = "Friction angle of the footing whose bearing capacity is compared",

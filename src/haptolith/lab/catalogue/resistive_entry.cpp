@@ -123,6 +123,8 @@ LabTest rftEntry() {
                       millimetresOption("blade_width_mm", own->blade_width_m, "Width of the blade"),
                       millimetresOption("blade_depth_mm", own->blade_depth_m, "Depth of the lower edge of the blade"),
                       numberOption("size_factor", own->size_factor, "Size of the larger plate over the smaller"),
+                      numberOption("box_diameters", own->bed_width_diameters,
+                                   "Width of the square box, in diameters of the tool"),
                       {.key = "no_scaling",
                        .help = "Omit the scaling with gravity, density and size",
                        .usual = "",

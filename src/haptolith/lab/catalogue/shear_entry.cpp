@@ -29,6 +29,8 @@ LabOutput shearOutput(const LabSoil& soil, const LabConditions& conditions, cons
     points.push_back({{"normal_pa", point.normal_pa},
                       {"peak_pa", point.peak_pa},
                       {"residual_pa", point.residual_pa},
+                      {"modulus_pa", point.modulus_pa},
+                      {"compression", point.compression},
                       {"dilation", point.dilation}});
     output.text += fmt::format("  {:>11.0f}   {:>9.0f}   {:>13.0f}   {:>12.1f}\n", point.normal_pa, point.peak_pa,
                                point.residual_pa, 100 * point.dilation);

@@ -215,7 +215,7 @@ LabOutput wheelOutput(const LabSoil& soil, const LabConditions& conditions, cons
                  {"diameter_mm", options.wheel.diameter_m / kMm},
                  {"width_mm", options.wheel.width_m / kMm},
                  {"grousers", options.wheel.grousers},
-                 {"preparation", options.preparation == Preparation::kLoose ? "loose" : "dense"},
+                 {"preparation", preparationWord(options.preparation)},
                  {"friction_angle_deg", degrees(options.friction_angle_rad)},
                  {"bulk_density_kg_m3", result.bulk_density_kg_m3},
                  {"bed_depth_mm", result.bed_depth_m / kMm},

@@ -365,18 +365,12 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
 
 BladeStrength strengthBeforeBlade(const LabConditions& conditions, Preparation preparation) {
   const std::vector<double> stresses_pa = {200, 400, 800};
-  constexpr double kResidual = 0.35;  // fraction of the time before the residual test
-  StagedProgress progress(conditions.progress);
-  progress.enter(0, preparation == Preparation::kDense ? kResidual : 1);
-  LabConditions staged = conditions;
-  staged.progress = progress.inner();
-  BladeStrength strength{.undisturbed = undisturbedStrength(staged, preparation, stresses_pa), .residual = {}};
-  if (preparation == Preparation::kDense) {
-    constexpr double kStrain = 3;
-    progress.enter(kResidual, 1);
-    strength.residual = residualStrength(staged, stresses_pa, kStrain);
+  if (preparation != Preparation::kDense) {
+    return {.undisturbed = undisturbedStrength(conditions, preparation, stresses_pa), .residual = {}};
   }
-  return strength;
+  constexpr double kStrain = 3;
+  const DenseStrength strength = denseStrength(conditions, stresses_pa, kStrain);
+  return {.undisturbed = strength.undisturbed, .residual = strength.residual};
 }
 
 void drawBlade(const OutputFile& file, const BladeResult& result, std::string_view title) {

@@ -29,14 +29,15 @@ constexpr double kContactShare = 0.05;
 /// Fraction of the curve that is not evaluated: at first the plate only touches the tips of single particles.
 constexpr double kReadFrom = 1.0 / 3;
 
-/// Dimensions of the box, in D: space for the soil next to the tool, and three sinkages below it.
-constexpr double kBedWidth = 3, kBedDepth = 1.8;
+/// Depth of the box, in D: three sinkages below the tool.
+constexpr double kBedDepth = 1.8;
 
 void validate(const LabConditions& conditions, const ResistiveOptions& options) {
   validate(conditions.soil);
   requireInRange("gravity_m_s2", conditions.gravity_m_s2, {0, 1000, Ends::kOpenBelow});
   requireInRange("diameter_m", options.diameter_m, {8 * conditions.soil.radius_m, 10});
   requireInRange("max_sinkage_m", options.max_sinkage_m, {0, options.diameter_m / 2, Ends::kOpenBelow});
+  requireInRange("bed_width_diameters", options.bed_width_diameters, {2, 100});
   requireInRange("push_speed_m_s", options.push_speed_m_s, {0, 10, Ends::kOpenBelow});
   validate(options.shear);
   requireInRange("size_factor", options.size_factor, {1, 4, Ends::kOpenBelow});
@@ -93,7 +94,7 @@ ResistivePush pushed(const Pushed& what, const LabConditions& conditions, const 
   push.speed_m_s = options.push_speed_m_s;
   push.sample_m = push.depth_m / kPoints;
   push.window_m = 2 * push.sample_m;
-  push.bed_width_m = kBedWidth * diameter_m;
+  push.bed_width_m = options.bed_width_diameters * diameter_m;
   push.bed_depth_m = kBedDepth * diameter_m;
   push.preparation = options.preparation;
   push.depth_from = options.depth_from;
@@ -125,7 +126,7 @@ void measureSoil(const LabConditions& conditions, const ResistiveOptions& option
   result.soil.internal_friction = options.friction_angle_rad > 0
                                       ? std::tan(options.friction_angle_rad)
                                       : frictionWithoutCohesion(shear.points, &ShearPointResult::residual_pa);
-  const bool loose = options.preparation == Preparation::kLoose;
+  const bool loose = options.preparation != Preparation::kDense;
   result.peak_angle_rad = std::atan(
       frictionWithoutCohesion(shear.points, loose ? &ShearPointResult::residual_pa : &ShearPointResult::peak_pa));
 }

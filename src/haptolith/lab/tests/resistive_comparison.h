@@ -14,14 +14,15 @@ namespace haptolith {
 
 /// Tools pushed into the bed and drawn through it for the comparison with the theory.
 struct ResistiveOptions {
-  double diameter_m = 0.05;       ///< D of plate, sphere and cone; at least 8 particle radii
-  double max_sinkage_m = 0.02;    ///< max. sinkage of plate, sphere and cone (lowest point); above 0 to D/2
-  double push_speed_m_s = 0.03;   ///< v^2/(g D) should be far below 1
-  double blade_width_m = 0.05;    ///< width across the path
-  double blade_depth_m = 0.03;    ///< depth of an upright blade's lower edge
-  double blade_speed_m_s = 0.03;  ///< v^2/(g d) at most 0.1
-  double size_factor = 1.5;       ///< scale of the larger plate, its sinkage and its box; above 1 to 4
-  bool scaling = true;            ///< whether the plate test is repeated for each scaling law
+  double diameter_m = 0.05;        ///< D of plate, sphere and cone; at least 8 particle radii
+  double max_sinkage_m = 0.02;     ///< max. sinkage of plate, sphere and cone (lowest point); above 0 to D/2
+  double push_speed_m_s = 0.03;    ///< v^2/(g D) should be far below 1
+  double bed_width_diameters = 3;  ///< width of the box, in D: space for the soil next to the tool; at least 2
+  double blade_width_m = 0.05;     ///< width across the path
+  double blade_depth_m = 0.03;     ///< depth of an upright blade's lower edge
+  double blade_speed_m_s = 0.03;   ///< v^2/(g d) at most 0.1
+  double size_factor = 1.5;        ///< scale of the larger plate, its sinkage and its box; above 1 to 4
+  bool scaling = true;             ///< whether the plate test is repeated for each scaling law
   Preparation preparation = Preparation::kDense;
   DepthFrom depth_from = DepthFrom::kTips;
   /// Shear tests for the inputs of the theory; without cohesion.

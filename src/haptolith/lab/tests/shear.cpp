@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -21,6 +22,7 @@ namespace {
 
 constexpr std::size_t kLower = 0, kUpper = 1;  // bodies of the shear cell
 constexpr double kPeakWindow = 0.05;           // strain over which stresses are averaged for the peak
+constexpr double kModulusWindow = 0.01;        // strain over which they are averaged for the modulus
 constexpr std::size_t kTraceRows = 400;
 
 /// Shear cell: two rough plates with soil between them.
@@ -129,6 +131,30 @@ class MovingMean {
   double sum_ = 0;
 };
 
+/// Stress over strain while it rises, as means over a short strain.
+class StressRise {
+ public:
+  explicit StressRise(std::size_t window) : mean_(window) {}
+  void add(double strain, double stress_pa) {
+    mean_.add(stress_pa);
+    if (mean_.full() && (points_.empty() || mean_.mean() > points_.back().stress_pa)) {
+      points_.push_back({strain, mean_.mean()});
+    }
+  }
+  /// Returns the strain at which the mean first reached a stress; NaN if it never did.
+  [[nodiscard]] double strainAt(double stress_pa) const {
+    const auto first = std::ranges::lower_bound(points_, stress_pa, {}, &Point::stress_pa);
+    return first == points_.end() ? std::numeric_limits<double>::quiet_NaN() : first->strain;
+  }
+
+ private:
+  struct Point {
+    double strain, stress_pa;
+  };
+  MovingMean mean_;
+  std::vector<Point> points_;  ///< each stress larger than the one before
+};
+
 double shearSpeed(const LabConditions& conditions, const ShearOptions& options, double height_m, double density) {
   const double smallest = *std::min_element(options.normal_stresses_pa.begin(), options.normal_stresses_pa.end());
   return options.inertial_number * height_m / (2 * conditions.soil.radius_m) * std::sqrt(smallest / density);
@@ -154,16 +180,23 @@ ShearPointResult shearOne(const LabConditions& conditions, const ShearOptions& o
   result.trace.columns = {"displacement_m", "shear_pa", "normal_pa", "height_m"};
   MovingMean shear(static_cast<std::size_t>(kPeakWindow / options.strain * steps));
   MovingMean normal(static_cast<std::size_t>(kPeakWindow / options.strain * steps));
+  StressRise rise(static_cast<std::size_t>(kModulusWindow / options.strain * steps));
+  double moved_m = 0, lowest_height = height, height_at_peak = height;
   double displacement = 0, residual = 0, residual_normal = 0, residual_height = 0;
   double counted = 0;
   const double start = cell.lab().time();
   cell.lab().run(duration, fmt::format("shear under {:g} Pa", normal_pa), [&] {
-    cell.movePlate(std::min(1.0, (cell.lab().time() - start) / (0.02 * duration)) * speed);
+    const double plate_m_s = std::min(1.0, (cell.lab().time() - start) / (0.02 * duration)) * speed;
+    cell.movePlate(plate_m_s);
+    moved_m += cell.lab().dt() * plate_m_s;
     displacement += cell.lab().dt() * speed;
     shear.add(cell.shear());
     normal.add(cell.normal());
-    if (shear.full()) {
-      result.peak_pa = std::max(result.peak_pa, shear.mean());
+    rise.add(moved_m / height, cell.shear());
+    lowest_height = std::min(lowest_height, cell.height());
+    if (shear.full() && displacement <= options.peak_until * height && shear.mean() > result.peak_pa) {
+      result.peak_pa = shear.mean();
+      height_at_peak = lowest_height;
     }
     if (displacement > options.residual_from * height) {
       residual += cell.shear();
@@ -177,6 +210,8 @@ ShearPointResult shearOne(const LabConditions& conditions, const ShearOptions& o
   });
   result.residual_pa = residual / counted;
   result.normal_pa = residual_normal / counted;
+  result.modulus_pa = result.peak_pa / 2 / rise.strainAt(result.peak_pa / 2);
+  result.compression = 1 - height_at_peak / height;
   result.dilation = residual_height / height - 1;
   return result;
 }
@@ -206,10 +241,53 @@ void validate(const ShearOptions& options) {
   requireInRange("grain_classes", options.grain_classes, {1, GrainClasses::kMost});
   requireInRange("residual_from", options.residual_from, {0, 99, Ends::kOpenBelow});
   requireInRange("strain", options.strain, {options.residual_from, 100, Ends::kOpenBelow});
+  requireInRange("peak_until", options.peak_until, {0, 99, Ends::kOpenBelow});
   requireInRange("inertial_number", options.inertial_number, {1e-5, 0.1});
 }
 
+ShearResult ShearMemory::get(const LabConditions& conditions, const ShearOptions& options,
+                             const std::function<ShearResult()>& simulate) {
+  std::unique_lock lock(mutex_);
+  const auto is_same = [&](const Entry& entry) {
+    return entry.soil == conditions.soil && entry.gravity_m_s2 == conditions.gravity_m_s2 &&
+           entry.seed == conditions.seed && entry.options == options;
+  };
+  auto entry = std::ranges::find_if(entries_, is_same);
+  while (entry != entries_.end() && !entry->result) {
+    changed_.wait(lock);
+    entry = std::ranges::find_if(entries_, is_same);
+  }
+  if (entry != entries_.end()) {
+    return *entry->result;
+  }
+  const auto own = entries_.insert(entries_.end(), {.soil = conditions.soil,
+                                                    .gravity_m_s2 = conditions.gravity_m_s2,
+                                                    .seed = conditions.seed,
+                                                    .options = options,
+                                                    .result = {}});
+  lock.unlock();
+  try {
+    ShearResult result = simulate();
+    lock.lock();
+    own->result = result;
+    changed_.notify_all();
+    return result;
+  } catch (...) {
+    if (!lock.owns_lock()) {
+      lock.lock();
+    }
+    entries_.erase(own);
+    changed_.notify_all();
+    throw;
+  }
+}
+
 ShearResult shearTest(const LabConditions& conditions, const ShearOptions& options) {
+  if (conditions.shear_memory != nullptr) {
+    LabConditions alone = conditions;
+    alone.shear_memory = nullptr;
+    return conditions.shear_memory->get(conditions, options, [&] { return shearTest(alone, options); });
+  }
   validate(options);
   std::vector<double> stresses = options.normal_stresses_pa;
   std::sort(stresses.begin(), stresses.end());
@@ -226,6 +304,14 @@ ShearResult shearTest(const LabConditions& conditions, const ShearOptions& optio
   result.peak = lineThrough(result.points, &ShearPointResult::peak_pa);
   result.residual = lineThrough(result.points, &ShearPointResult::residual_pa);
   return result;
+}
+
+ShearPointResult shearUnder(const LabConditions& conditions, ShearOptions options, double normal_pa) {
+  requireInRange("normal_pa", normal_pa, {0, 1e6, Ends::kOpenBelow});
+  validate(options);
+  options.normal_stresses_pa = {normal_pa};
+  double bulk_density = 0;
+  return shearOne(conditions, options, normal_pa, bulk_density);
 }
 
 double frictionWithoutCohesion(const std::vector<ShearPointResult>& points,

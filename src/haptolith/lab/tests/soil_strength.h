@@ -18,6 +18,26 @@ namespace haptolith {
 [[nodiscard]] MohrCoulomb undisturbedStrength(const LabConditions& conditions, Preparation preparation,
                                               const std::vector<double>& normal_stresses_pa);
 
+/// Strengths of dense soil before and after shearing.
+struct DenseStrength {
+  MohrCoulomb undisturbed, residual;
+};
+
+/// Returns both strengths of dense soil from one series of tests, sheared by `strain`; the residual state begins at 2.
+/// @throws as shearTest(). Not for the tick.
+[[nodiscard]] DenseStrength denseStrength(const LabConditions& conditions,
+                                          const std::vector<double>& normal_stresses_pa, double strain);
+
+/// Stiffness of dense soil before it fails.
+struct SoilRigidity {
+  double shear_modulus_pa = 0;  ///< G
+  double volume_strain = 0;     ///< decrease of volume until the peak, over the initial volume
+};
+
+/// Simulates a shear test under one normal stress. @throws as shearUnder(), and Failure if the specimen has no modulus.
+/// Not for the tick.
+[[nodiscard]] SoilRigidity denseRigidity(const LabConditions& conditions, double normal_stress_pa);
+
 /// Returns the residual strength after shearing by `strain`; the residual state begins at 2.
 /// @throws as shearTest(). Not for the tick.
 [[nodiscard]] MohrCoulomb residualStrength(const LabConditions& conditions,

@@ -108,19 +108,65 @@ BearingCapacity meyerhofBearing(const Footing& footing) {
   return result;
 }
 
-BearingCapacity vesicBearing(const Footing& footing) {
-  validate(footing);
+namespace {
+
+/// Terms of Vesic's equation with their factors of shape and depth, in Pa.
+struct VesicTerms {
+  double cohesion_pa, surcharge_pa, weight_pa;
+};
+
+VesicTerms vesicTerms(const Footing& footing, const BearingCapacity& factors) {
   const double phi = footing.friction_angle_rad;
   const double ratio = footing.depth_m / footing.diameter_m;
   const double k = ratio > 1 ? std::atan(ratio) : ratio;
-  BearingCapacity result;
-  result.n_q = std::exp(std::numbers::pi * std::tan(phi)) * passive(phi);
-  result.n_c = cohesionFactor(result.n_q, phi, kCohesionAlone);
-  result.n_gamma = 2 * (result.n_q + 1) * std::tan(phi);
   const double depth_q = 1 + 2 * std::tan(phi) * std::pow(1 - std::sin(phi), 2) * k;
-  result.pressure_pa = footing.cohesion_pa * result.n_c * (1 + result.n_q / result.n_c) * (1 + 0.4 * k) +
-                       beside(footing) * result.n_q * (1 + std::tan(phi)) * depth_q +
-                       0.6 / 2 * ofWeight(footing) * result.n_gamma;
+  return {.cohesion_pa = footing.cohesion_pa * factors.n_c * (1 + factors.n_q / factors.n_c) * (1 + 0.4 * k),
+          .surcharge_pa = beside(footing) * factors.n_q * (1 + std::tan(phi)) * depth_q,
+          .weight_pa = 0.6 / 2 * ofWeight(footing) * factors.n_gamma};
+}
+
+BearingCapacity vesicFactors(double phi) {
+  BearingCapacity factors;
+  factors.n_q = std::exp(std::numbers::pi * std::tan(phi)) * passive(phi);
+  factors.n_c = cohesionFactor(factors.n_q, phi, kCohesionAlone);
+  factors.n_gamma = 2 * (factors.n_q + 1) * std::tan(phi);
+  return factors;
+}
+
+}  // namespace
+
+BearingCapacity vesicBearing(const Footing& footing) {
+  validate(footing);
+  BearingCapacity result = vesicFactors(footing.friction_angle_rad);
+  const VesicTerms terms = vesicTerms(footing, result);
+  result.pressure_pa = terms.cohesion_pa + terms.surcharge_pa + terms.weight_pa;
+  return result;
+}
+
+CompressibleBearing vesicCompressibleBearing(const Footing& footing, const Compressibility& soil) {
+  validate(footing);
+  requireInRange("shear_modulus_pa", soil.shear_modulus_pa, {0, Range{}.highest, Ends::kOpen});
+  requireInRange("volume_strain", soil.volume_strain, {0, 1});
+  const double phi = footing.friction_angle_rad;
+  const double overburden_pa = beside(footing) + ofWeight(footing) / 2;
+  const double rigidity = soil.shear_modulus_pa / (footing.cohesion_pa + overburden_pa * std::tan(phi));
+  CompressibleBearing result;
+  result.rigidity_index = rigidity / (1 + rigidity * soil.volume_strain);
+  result.critical_rigidity_index = std::exp(2.85 / std::tan(std::numbers::pi / 4 - phi / 2)) / 2;
+  const BearingCapacity factors = vesicFactors(phi);
+  double of_cohesion = 1;
+  if (result.rigidity_index < result.critical_rigidity_index) {
+    const double sine = std::sin(phi);
+    const double index = result.rigidity_index;
+    result.compressibility_factor =
+        std::min(1.0, std::exp(-3.8 * std::tan(phi) + 3.07 * sine * std::log10(2 * index) / (1 + sine)));
+    const double zeta = result.compressibility_factor;
+    of_cohesion = phi < kFrictionless ? std::clamp(0.44 + 0.6 * std::log10(index), 0.0, 1.0)
+                                      : std::max(0.0, zeta - (1 - zeta) / (factors.n_q - 1));
+  }
+  const VesicTerms terms = vesicTerms(footing, factors);
+  result.pressure_pa =
+      of_cohesion * terms.cohesion_pa + result.compressibility_factor * (terms.surcharge_pa + terms.weight_pa);
   return result;
 }
 

@@ -44,4 +44,30 @@ struct BearingCapacity {
 [[nodiscard]] BearingCapacity meyerhofBearing(const Footing& footing);
 [[nodiscard]] BearingCapacity vesicBearing(const Footing& footing);
 
+/// How soil deforms before it fails.
+struct Compressibility {
+  double shear_modulus_pa = 0;  ///< G; above 0
+  double volume_strain = 0;     ///< Delta, decrease of volume until failure; 0 to 1
+};
+
+/// Bearing capacity of soil that is compressed before it fails.
+struct CompressibleBearing {
+  double pressure_pa = 0;
+  double rigidity_index = 0;           ///< I_rr
+  double critical_rigidity_index = 0;  ///< I_rc
+  double compressibility_factor = 1;   ///< zeta of N_q and N_gamma
+};
+
+/// Returns vesicBearing() with his factors for local and punching failure (same source), for a round footing:
+///
+///     I_r = G / (c + q' tan phi), with q' the overburden at depth D_f + D / 2
+///     I_rr = I_r / (1 + I_r Delta)
+///     I_rc = exp(2.85 cot(45 deg - phi / 2)) / 2
+///     zeta = exp(-3.8 tan phi + 3.07 sin phi log10(2 I_rr) / (1 + sin phi)) for N_q and N_gamma
+///     zeta_c = zeta - (1 - zeta) / (N_q - 1) for N_c, at least 0; without friction 0.44 + 0.6 log10 I_rr
+///
+/// From I_rc on, soil is as rigid and zeta is 1; it is never more.
+/// @throws InvalidParameter as vesicBearing(), and outside the ranges above. Not for the tick.
+[[nodiscard]] CompressibleBearing vesicCompressibleBearing(const Footing& footing, const Compressibility& soil);
+
 }  // namespace haptolith
