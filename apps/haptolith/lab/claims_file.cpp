@@ -66,8 +66,6 @@ std::vector<ClaimKey> claimKeys() {
       {"", "within", "within", Number{{0, 1}, [](M& m, double v) { m.claim.within = v; }, kOnlyRead}, ""},
       {"", "accepted", "accepted", Interval{kAny, [](M& m, const Range& v) { m.claim.accepted = v; }, kOnlyRead}, ""},
       {"", "any_soil", "", ClaimKey::SwitchValue{[](M& m, bool v) { m.any_soil = v; }, kOnlyRead}, ""},
-      {"", "specimens_times", "",
-       ClaimKey::CountValue{{1, 100}, [](M& m, std::int64_t v) { m.specimens_times = v; }, kOnlyRead}, ""},
       {"", "test", "",
        Text{[](M& m, std::string_view v) { m.run.test = currentNameReported(NameKind::kLabTest, v); }, kOnlyRead}, ""},
       {"", "soil", "", Text{[](M& m, std::string_view v) { m.run.soil = v; }, kOnlyRead, TextSize::kPath}, ""},

@@ -26,11 +26,10 @@ struct ClaimRun {
 struct MeasuredClaim {
   Claim claim;
   ClaimRun run;
-  std::optional<ClaimRun> over;      ///< the simulated number is that of `run` over that of this run
-  std::string ours;                  ///< JSON pointer (RFC 6901) to the simulated number: "/draft_n"
-  std::string other;                 ///< JSON pointer to the theory's number; empty: the claim contains one
-  std::int64_t specimens_times = 1;  ///< factor on the requested number of specimens
-  bool any_soil = false;             ///< whether the claim holds for any kind of soil
+  std::optional<ClaimRun> over;  ///< the simulated number is that of `run` over that of this run
+  std::string ours;              ///< JSON pointer (RFC 6901) to the simulated number: "/draft_n"
+  std::string other;             ///< JSON pointer to the theory's number; empty: the claim contains one
+  bool any_soil = false;         ///< whether the claim holds for any kind of soil
 };
 
 /// Reads the claims of a file (docs/reference/claims-file.md); paths of soil files are relative to it. @throws

@@ -15,10 +15,12 @@
 #include "haptolith/core/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/lab/archive/report_folder.h"
 #include "haptolith/lab/catalogue/lab_test.h"
 #include "haptolith/lab/catalogue/option_reader.h"
 #include "haptolith/lab/report/validation.h"
+#include "haptolith/lab/tests/shear.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/scene_file/soil_file.h"
 #include "haptolith/soil/bodies.h"
@@ -120,10 +122,14 @@ class Validation {
  public:
   explicit Validation(const ValidateOptions& options);
 
-  /// Runs the missing pieces. @throws Failure if a result cannot be saved, and when interrupted.
+  /// Runs the missing pieces, then further specimens of the claims with a wide spread. @throws Failure if a result
+  /// cannot be saved, and when interrupted.
   void complete();
 
  private:
+  void addSpecimen(std::size_t claim, std::int64_t seed_index);
+  void loadSaved();
+  void runMissing();
   [[nodiscard]] std::size_t pieceFor(const ClaimRun& run, std::uint64_t seed);
   void measure(std::size_t index);
   [[nodiscard]] Json tried(std::size_t index);
@@ -141,6 +147,7 @@ class Validation {
   std::vector<std::vector<std::size_t>> runs_, overs_;  ///< per claim, one piece per seed
   std::optional<ReportFolder> folder_;
   int threads_ = 1;
+  ShearMemory shear_memory_;  ///< strengths of a soil, which many claims need
   std::optional<KeptWork> work_;
 };
 
@@ -202,18 +209,9 @@ std::vector<std::string> filesOf(const ValidateOptions& options) {
 Validation::Validation(const ValidateOptions& options) : options_(options), claims_(chosenClaims(options)) {
   runs_.resize(claims_.size());
   overs_.resize(claims_.size());
-  const auto seeds_of = [&](const MeasuredClaim& measured) { return options.seeds * measured.specimens_times; };
-  const std::int64_t most = seeds_of(*std::ranges::max_element(claims_, {}, seeds_of));
-  for (std::int64_t i = 0; i < most; ++i) {
-    const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
+  for (int i = 0; i < options.seeds; ++i) {
     for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
-      if (i >= seeds_of(claims_[claim])) {
-        continue;
-      }
-      runs_[claim].push_back(pieceFor(claims_[claim].run, seed));
-      if (claims_[claim].over) {
-        overs_[claim].push_back(pieceFor(*claims_[claim].over, seed));
-      }
+      addSpecimen(claim, i);
     }
   }
   threads_ = threadsFor(options.threads);
@@ -222,8 +220,21 @@ Validation::Validation(const ValidateOptions& options) : options_(options), clai
                   : options.overwrite.allowed ? ReportThere::kReplace
                                               : ReportThere::kRefuse,
                   filesOf(options));
+  loadSaved();
+}
+
+void Validation::addSpecimen(std::size_t claim, std::int64_t seed_index) {
+  const std::uint64_t seed = options_.seed + static_cast<std::uint64_t>(seed_index);
+  runs_[claim].push_back(pieceFor(claims_[claim].run, seed));
+  if (claims_[claim].over) {
+    overs_[claim].push_back(pieceFor(*claims_[claim].over, seed));
+  }
+}
+
+/// Loads the pieces that an earlier run of this validation has saved.
+void Validation::loadSaved() {
   for (ClaimPiece& piece : pieces_) {
-    std::optional<Json> saved = folder_->result(piece.name);
+    std::optional<Json> saved = piece.done ? std::nullopt : folder_->result(piece.name);
     if (saved && saved->value("specification", Json()) == piece.specification) {
       piece.done = std::move(saved);
     } else if (saved) {
@@ -246,7 +257,7 @@ std::size_t Validation::pieceFor(const ClaimRun& run, std::uint64_t seed) {
   return pieces_.size() - 1;
 }
 
-void Validation::complete() {
+void Validation::runMissing() {
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     if (!pieces_[i].done) {
@@ -259,6 +270,25 @@ void Validation::complete() {
                          [](const ClaimPiece& piece) { return labTest(piece.run.test).typical_s; });
   work_.emplace(std::move(lengths_s), threads_, status_);
   work_->run(missing, folder_->path(), [this](std::size_t index) { measure(index); });
+}
+
+void Validation::complete() {
+  runMissing();
+  std::size_t wide = 0;
+  for (std::size_t claim = 0; claim < claims_.size(); ++claim) {
+    if (judged(claim).outcome->spread > kWideSpread) {
+      ++wide;
+      for (std::size_t more = 0; more < kMoreSpecimens; ++more) {
+        addSpecimen(claim, options_.seeds + static_cast<std::int64_t>(more));
+      }
+    }
+  }
+  if (wide > 0) {
+    post(fmt::format("{} with a spread above {:g} %: {} more specimens of each\n", pluralise(wide, "claim"),
+                     100 * kWideSpread, kMoreSpecimens));
+    loadSaved();
+    runMissing();
+  }
   const std::vector<JudgedClaim> claims = judgedClaims();
   const std::vector<std::string> groups = groupsOf(claimsOf(claims_));
   const std::vector<std::string> figures = figureNamesOf(groups);
@@ -296,7 +326,8 @@ Json Validation::tried(std::size_t index) {
                                    .gravity_m_s2 = findBody(piece.run.body).gravity_m_s2,
                                    .seed = piece.seed,
                                    .threads = work_->threadsEach(),
-                                   .progress = work_->progressOf(index, titleOf(piece))};
+                                   .progress = work_->progressOf(index, titleOf(piece)),
+                                   .shear_memory = &shear_memory_};
     document["result"] = test.run(piece.soil, conditions).json;
   } catch (const Failure& failure) {
     if (work_->ends()) {
@@ -373,14 +404,11 @@ void Validation::savePage() const {
   std::vector<std::string> introduction{
       fmt::format("    {}", command),
       fmt::format(
-          "{} haptolith {}; {} simulated tests, {:.1f} hours of one core.",
-          options_.seeds > 1
-              ? fmt::format("Values are means of {} specimens or more, ± is the SD of one specimen, and n is the\n"
-                            "number of specimens that gave a value.",
-                            options_.seeds)
-              : "Where n = 1, the value is from one specimen and has no SD. Where n is larger, it is the mean\n"
-                "of n specimens, and ± is the SD of a single one.",
-          HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
+          "Values are means of n specimens, ± is the standard error of the mean. Claims have {} specimens, {} where "
+          "the SD\n"
+          "of one is above {:g} % of the reference. haptolith {}; {} simulated tests, {:.1f} hours of one core.",
+          options_.seeds, options_.seeds > 1 ? options_.seeds + static_cast<int>(kMoreSpecimens) : options_.seeds,
+          100 * kWideSpread, HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   if (options_.claims_file.empty()) {
     introduction.emplace_back(
         "Depth counts from the level surface (docs/reports/accuracy.md), except under Stiffness of contacts and in "

@@ -1,5 +1,6 @@
 #include "haptolith/lab/report/validation.h"
 
+#include <boost/math/distributions/students_t.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,23 +17,44 @@ namespace haptolith {
 namespace {
 
 ClaimValue valueOf(const std::vector<double>& numbers) {
-  return {mean(numbers), numbers.size() > 1 ? std::optional(standardDeviation(numbers)) : std::nullopt};
+  return {mean(numbers), numbers.size() > 1 ? std::optional(standardDeviation(numbers) /
+                                                            std::sqrt(static_cast<double>(numbers.size())))
+                                            : std::nullopt};
 }
 
-/// Returns the light of `value`: green in `accepted`; yellow in `wider`, or outside by at most its SD; otherwise red.
-ClaimLight lightOf(const ClaimValue& value, const Range& accepted, const Range& wider) {
-  if (accepted.contains(value.mean)) {
-    return ClaimLight::kGreen;
+/// Returns the 90 % confidence interval of the mean by Student's t, whose ends are those of two one-sided tests at 5 %.
+std::optional<Range> intervalOf(const std::vector<double>& numbers) {
+  if (numbers.size() < 2) {
+    return std::nullopt;
   }
-  const double outside = std::max(accepted.lowest - value.mean, value.mean - accepted.highest);
-  const bool by_scatter = value.deviation && outside <= *value.deviation;
-  return by_scatter || wider.contains(value.mean) ? ClaimLight::kYellow : ClaimLight::kRed;
+  const ClaimValue value = valueOf(numbers);
+  constexpr double kOneSided = 0.95;
+  const double t = boost::math::quantile(boost::math::students_t(static_cast<double>(numbers.size() - 1)), kOneSided);
+  return Range{value.mean - t * *value.standard_error, value.mean + t * *value.standard_error};
 }
 
-/// Returns the range extended by its half width on both sides.
-Range widened(const Range& accepted) {
-  const double half = (accepted.highest - accepted.lowest) / 2;
-  return {accepted.lowest - half, accepted.highest + half};
+std::vector<double> logarithms(std::vector<double> numbers) {
+  std::ranges::transform(numbers, numbers.begin(), [](double number) { return std::log(number); });
+  return numbers;
+}
+
+Range exponentials(const Range& range) {
+  return {std::exp(range.lowest), std::exp(range.highest)};
+}
+
+bool hasInside(const Range& outer, const Range& inner) {
+  return outer.contains(inner.lowest) && outer.contains(inner.highest);
+}
+
+bool areApart(const Range& one, const Range& other) {
+  return one.highest < other.lowest || other.highest < one.lowest;
+}
+
+ClaimLight lightOf(const std::optional<Range>& interval, const Range& accepted) {
+  return !interval                        ? ClaimLight::kYellow
+         : hasInside(accepted, *interval) ? ClaimLight::kGreen
+         : areApart(accepted, *interval)  ? ClaimLight::kRed
+                                          : ClaimLight::kYellow;
 }
 
 }  // namespace
@@ -85,26 +107,28 @@ ClaimOutcome judge(const Claim& claim, const std::vector<ClaimSpecimen>& specime
   if (ratios.size() == ours.size()) {
     outcome.ratio = valueOf(ratios);
   }
+  const bool by_factor = claim.factor && std::ranges::all_of(ratios, [](double ratio) { return ratio > 0; });
+  if (ratios.size() == ours.size()) {
+    outcome.ratio_interval =
+        by_factor && ratios.size() > 1 ? exponentials(*intervalOf(logarithms(ratios))) : intervalOf(ratios);
+  }
   Range accepted;
-  Range wider;
   if (claim.accepted) {
     accepted = *claim.accepted;
-    wider = widened(accepted);
     if (outcome.ratio && outcome.other->mean > 0 && !others.empty()) {
       outcome.ratio_range = Range{accepted.lowest / outcome.other->mean, accepted.highest / outcome.other->mean};
     }
-  } else if (claim.factor) {
-    const double f = *claim.factor;
-    accepted = {1 / f, f};
-    wider = {1 / (f * f), f * f};
-    outcome.ratio_range = accepted;
   } else {
-    accepted = {1 - *claim.within, 1 + *claim.within};
-    wider = {accepted.lowest * accepted.lowest, accepted.highest * accepted.highest};
+    accepted = claim.factor ? Range{1 / *claim.factor, *claim.factor} : Range{1 - *claim.within, 1 + *claim.within};
     outcome.ratio_range = accepted;
   }
-  const ClaimValue& judged = claim.accepted ? *outcome.ours : *outcome.ratio;
-  outcome.light = outcome.specimens < specimens.size() ? ClaimLight::kRed : lightOf(judged, accepted, wider);
+  const double reference = outcome.ratio ? 1 : (accepted.highest - accepted.lowest) / 2;
+  if (ours.size() > 1 && reference > 0) {
+    outcome.spread = standardDeviation(outcome.ratio ? ratios : ours) / reference;
+  }
+  outcome.light = outcome.specimens < specimens.size()
+                      ? ClaimLight::kRed
+                      : lightOf(claim.accepted ? intervalOf(ours) : outcome.ratio_interval, accepted);
   return outcome;
 }
 
@@ -113,7 +137,7 @@ namespace {
 std::string_view markOf(ClaimLight light) {
   switch (light) {
     case ClaimLight::kGreen: return "🟢 holds";
-    case ClaimLight::kYellow: return "🟡 nearly";
+    case ClaimLight::kYellow: return "🟡 open";
     case ClaimLight::kRed: return "🔴 fails";
   }
   return "";
@@ -136,8 +160,8 @@ std::string digits(double number) {
 std::string text(const ClaimValue& value, std::string_view unit) {
   const std::string behind = unit.empty() ? "" : fmt::format(" {}", unit);
   constexpr double kRounding = 1e-9;  // relative difference between specimens of a theory without scatter
-  return value.deviation.value_or(0) > kRounding * std::abs(value.mean)
-             ? fmt::format("{} ± {}{}", digits(value.mean), digits(*value.deviation), behind)
+  return value.standard_error.value_or(0) > kRounding * std::abs(value.mean)
+             ? fmt::format("{} ± {}{}", digits(value.mean), digits(*value.standard_error), behind)
              : digits(value.mean) + behind;
 }
 
@@ -155,7 +179,7 @@ std::string referenceText(const JudgedClaim& judged) {
   const Claim& claim = judged.claim;
   std::string number = "-";
   if (claim.expected) {
-    number = text({.mean = *claim.expected, .deviation = {}}, claim.unit);
+    number = text({.mean = *claim.expected, .standard_error = {}}, claim.unit);
     if (claim.scatter.lowest < claim.scatter.highest) {
       number += fmt::format(" ({} to {})", digits(claim.scatter.lowest), digits(claim.scatter.highest));
     }
@@ -227,19 +251,21 @@ std::string summaryText(const std::vector<JudgedClaim>& claims) {
   const ClaimCount all = countClaims(claims, {});
   const ClaimCount independent = countClaims(claims, ClaimKind::kIndependent);
   std::string text =
-      fmt::format("\n**Result.** Of {} independent claims {} hold, {} nearly hold and {} fail.{}\n\n",
-                  independent.claims, independent.lights[0], independent.lights[1], independent.lights[2],
+      fmt::format("\n**Result.** Of {} independent claims {} hold, {} are open and {} fail.{}\n\n", independent.claims,
+                  independent.lights[0], independent.lights[1], independent.lights[2],
                   all.simulated < all.claims ? fmt::format(" Not simulated yet: {}.", all.claims - all.simulated) : "");
-  text += "| Claims | Number | 🟢 hold | 🟡 nearly | 🔴 fail |\n|---|--:|--:|--:|--:|\n";
+  text += "| Claims | Number | 🟢 hold | 🟡 open | 🔴 fail |\n|---|--:|--:|--:|--:|\n";
   for (const auto& [kind, name] : kKinds) {
     const ClaimCount count = countClaims(claims, kind);
     text += count.claims > 0 ? countRow(name, count) : "";
   }
   text += countRow("all", all);
   return text +
-         "\n🟢 holds: within the tolerance. 🟡 nearly: outside by at most the tolerance again, or by at most the "
-         "SD of one\n"
-         "specimen. 🔴 fails: further outside, or without a number. Ratio is simulated over reference.\n";
+         "\n🟢 holds: the 90 % confidence interval of the mean is inside the tolerance (two one-sided t tests, 5 % "
+         "each)."
+         "\n🔴 fails: it is outside, or a specimen gave no number. 🟡 open: it contains an end of the tolerance, "
+         "or\n"
+         "there is one specimen. Ratio is simulated over reference.\n";
 }
 
 bool hasRatio(const JudgedClaim& judged) {
@@ -303,7 +329,7 @@ std::string validationPage(const std::vector<JudgedClaim>& claims, const std::ve
                               return judged.claim.group == group && hasRatio(judged);
                             });
     page += has_figure
-                ? fmt::format("\n![{}: simulated over reference, with SD and tolerance]({})\n", group, figures[i])
+                ? fmt::format("\n![{}: simulated over reference, with interval and tolerance]({})\n", group, figures[i])
                 : "";
   }
   return page;
@@ -330,11 +356,10 @@ bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& clai
     const double y = rows - static_cast<double>(i);
     const ClaimOutcome& outcome = *shown[i]->outcome;
     labels += fmt::format("{}{} {:g}", i > 0 ? ", " : "", gnuplotQuoted(shown[i]->claim.id), y);
-    const double spread = outcome.ratio->deviation.value_or(0);
+    const Range interval = outcome.ratio_interval.value_or(Range{outcome.ratio->mean, outcome.ratio->mean});
     const auto on_axis = [=](double ratio) { return std::clamp(ratio, kLeast, kMost); };
-    points[static_cast<std::size_t>(outcome.light)].push_back({on_axis(outcome.ratio->mean), y,
-                                                               on_axis(outcome.ratio->mean - spread),
-                                                               on_axis(outcome.ratio->mean + spread)});
+    points[static_cast<std::size_t>(outcome.light)].push_back(
+        {on_axis(outcome.ratio->mean), y, on_axis(interval.lowest), on_axis(interval.highest)});
     if (outcome.ratio_range) {
       bands.push_back({on_axis(outcome.ratio_range->lowest), y, on_axis(outcome.ratio_range->highest)});
     }
@@ -360,7 +385,7 @@ bool drawValidation(const OutputFile& file, const std::vector<JudgedClaim>& clai
   figure.command(
       "plot $bands using 1:2:($3-$1):(0) with vectors nohead linewidth 11 linecolor rgb '#d9d9d9' title 'tolerance', "
       "$green using 1:2:3:4 with xerrorbars pointtype 7 linewidth 1.5 linecolor rgb '#009e73' title 'holds', "
-      "$yellow using 1:2:3:4 with xerrorbars pointtype 9 linewidth 1.5 linecolor rgb '#e69f00' title 'nearly', "
+      "$yellow using 1:2:3:4 with xerrorbars pointtype 9 linewidth 1.5 linecolor rgb '#e69f00' title 'open', "
       "$red using 1:2:3:4 with xerrorbars pointtype 5 linewidth 1.5 linecolor rgb '#d55e00' title 'fails'");
   figure.save();
   return true;
