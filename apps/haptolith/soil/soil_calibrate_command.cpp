@@ -38,6 +38,7 @@ struct CalibrateCommand {
   SoilTarget target;
   double radius_mm = 7;
   double stiffness_n_m = 0;
+  double max_pressure_kpa = CalibrateSoilOptions{}.max_pressure_pa / 1e3;
   DensityProfile density = DensityProfile::kLunar;
   std::string body = "Moon";
   std::string name, source, out_file;
@@ -93,6 +94,8 @@ void runCalibrateSoil(const CalibrateCommand& command) {
   requireInRange("radius_mm", command.radius_mm, {0.5, 20});
   options.radius_m = command.radius_mm / 1e3;
   options.stiffness_n_m = command.stiffness_n_m;
+  requireInRange("max_pressure_kpa", command.max_pressure_kpa, {0.1, 1000});
+  options.max_pressure_pa = command.max_pressure_kpa * 1e3;
   options.density = command.density;
   options.gravity_m_s2 = findBody(command.body).gravity_m_s2;
   options.seed = command.seed;
@@ -146,7 +149,11 @@ void addSoilCalibrateCommand(CLI::App& soil) {
   app->add_option("--radius-mm", command->radius_mm, "Radius of a particle in mm, 0.5 to 20")->capture_default_str();
   app->add_option(
       "--stiffness-n-m", command->stiffness_n_m,
-      "Contact stiffness [so that contacts deform by 2.8 % of the radius at 3 kPa; 0.35 % with constant density]");
+      "Contact stiffness [so that contacts deform by 2.8 % of the radius at 0.3 of the largest pressure; 0.35 % with "
+      "constant density]");
+  app->add_option("--max-pressure-kpa", command->max_pressure_kpa,
+                  "Largest pressure under tools, which sets the contact stiffness, 0.1 to 1000")
+      ->capture_default_str();
   app->add_option("--density", command->density,
                   "Density profile: lunar, increasing with depth, or constant, as in a laboratory box [lunar]")
       ->transform(wordOf(std::map<std::string, DensityProfile>{{"lunar", DensityProfile::kLunar},

@@ -110,12 +110,12 @@ SoilParameters withContact(SoilParameters soil, const ContactStrength& contact) 
   return soil;
 }
 
-/// Returns k of a contact that carries the stress `pressure_pa` over its particle's cross-section with an overlap of
-/// 2.8 % of R, or 0.35 % for a linear spring. With it the strength at three times the stress equals that with twice the
+/// Returns k of a contact that carries 0.3 of the stress `largest_pa` over its particle's cross-section with an overlap
+/// of 2.8 % of R, or 0.35 % for a linear spring. With it the strength at the largest stress equals that with twice the
 /// stiffness, within the scatter of specimens (docs/explanation/contact-model.md).
-double stiffnessFor(double pressure_pa, double radius_m, DensityProfile density) {
+double stiffnessFor(double largest_pa, double radius_m, DensityProfile density) {
   const double overlap = density == DensityProfile::kLunar ? 0.028 : 0.0035;
-  return 4 * radius_m * pressure_pa / overlap;
+  return 4 * radius_m * 0.3 * largest_pa / overlap;
 }
 
 constexpr int kSearchSeeds = 2;
@@ -209,6 +209,7 @@ void validate(const SoilTarget& target, const CalibrateSoilOptions& options) {
   requireInRange("radius_m", options.radius_m, {0.5e-3, 20e-3});
   requireInRange("gravity_m_s2", options.gravity_m_s2, {0.01, 100});
   requireInRange("stiffness_n_m", options.stiffness_n_m, {0, 1e7});
+  requireInRange("max_pressure_pa", options.max_pressure_pa, {100, 1e6});
   requireInRange("verification_seeds", options.verification_seeds, CalibrateSoilRanges::verification_seeds);
   validate(options.shear);
 }
@@ -225,8 +226,7 @@ CalibratedSoil calibrateSoil(const SoilTarget& target, const CalibrateSoilOption
   SoilParameters soil = rescaled(lunarContacts(), options.radius_m);
   soil.stiffness_n_m = options.stiffness_n_m > 0
                            ? options.stiffness_n_m
-                           : stiffnessFor(*std::ranges::max_element(options.shear.normal_stresses_pa), options.radius_m,
-                                          options.density);
+                           : stiffnessFor(options.max_pressure_pa, options.radius_m, options.density);
   soil.rho0_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
   soil.rho_max_kg_m3 *= target.bulk_density_kg_m3 / kTableDensity_kg_m3;
   if (options.density == DensityProfile::kConstant) {

@@ -20,8 +20,9 @@ enum class DensityProfile {
 };
 
 struct CalibrateSoilOptions {
-  double radius_m = 7e-3;    ///< R of the calibrated soil, 0.5 to 20 mm
-  double stiffness_n_m = 0;  ///< k; 0: chosen for the largest normal stress of the shear test, see calibrateSoil()
+  double radius_m = 7e-3;         ///< R of the calibrated soil, 0.5 to 20 mm
+  double stiffness_n_m = 0;       ///< k; 0: chosen for max_pressure_pa, see calibrateSoil()
+  double max_pressure_pa = 10e3;  ///< largest pressure that the soil shall bear as soil of rigid particles; 100 to 1e6
   DensityProfile density = DensityProfile::kLunar;
   double gravity_m_s2 = 1.625;  ///< gravity under which the soil has the target's bulk density
   std::uint64_t seed = 1;       ///< seed of all specimens, those of the verification included
@@ -46,7 +47,7 @@ inline constexpr double kMostCohesion_pa = 4500;
 /// the wanted bulk density.
 ///
 /// The shape of the contact law is that of lunar soil, whose density with depth it reproduces
-/// (docs/reference/soils.md), or a linear spring. Under the largest normal stress of the shear test a contact has an
+/// (docs/reference/soils.md), or a linear spring. Under 0.3 of max_pressure_pa a contact has an
 /// overlap of 2.8 % of R. Four times the stiffness raises the residual angle by less than 2 degrees
 /// (docs/explanation/contact-model.md) and costs twice the steps. Linear springs, which do not stiffen, have an overlap
 /// of 0.35 %.
