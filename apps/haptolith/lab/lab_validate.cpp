@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -129,6 +131,7 @@ class Validation {
  private:
   void addSpecimen(std::size_t claim, std::int64_t seed_index);
   void loadSaved();
+  [[nodiscard]] std::vector<std::size_t> missingPieces() const;
   void runMissing();
   [[nodiscard]] std::size_t pieceFor(const ClaimRun& run, std::uint64_t seed);
   void measure(std::size_t index);
@@ -257,13 +260,26 @@ std::size_t Validation::pieceFor(const ClaimRun& run, std::uint64_t seed) {
   return pieces_.size() - 1;
 }
 
-void Validation::runMissing() {
-  std::vector<std::size_t> missing;
+/// Returns the missing pieces by seed, those of one soil apart: the first of a soil simulates its strength, which the
+/// others share, and nobody waits for it.
+std::vector<std::size_t> Validation::missingPieces() const {
+  std::map<std::tuple<std::string, std::string, std::string, std::uint64_t>, int> seen;
+  std::vector<std::pair<std::pair<std::uint64_t, int>, std::size_t>> ordered;
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    if (!pieces_[i].done) {
-      missing.push_back(i);
+    const ClaimPiece& piece = pieces_[i];
+    const int earlier = seen[{piece.run.test, piece.run.soil, piece.run.body, piece.seed}]++;
+    if (!piece.done) {
+      ordered.push_back({{piece.seed, earlier}, i});
     }
   }
+  std::ranges::sort(ordered);
+  std::vector<std::size_t> missing(ordered.size());
+  std::ranges::transform(ordered, missing.begin(), [](const auto& entry) { return entry.second; });
+  return missing;
+}
+
+void Validation::runMissing() {
+  const std::vector<std::size_t> missing = missingPieces();
   savePage();
   std::vector<double> lengths_s(pieces_.size());
   std::ranges::transform(pieces_, lengths_s.begin(),
@@ -410,10 +426,7 @@ void Validation::savePage() const {
           options_.seeds, options_.seeds > 1 ? options_.seeds + static_cast<int>(kMoreSpecimens) : options_.seeds,
           100 * kWideSpread, HAPTOLITH_VERSION, pieces_.size(), sum_s / 3600)};
   if (options_.claims_file.empty()) {
-    introduction.emplace_back(
-        "Depth counts from the level surface (docs/reports/accuracy.md), except under Stiffness of contacts and in "
-        "tests\n"
-        "without a depth.");
+    introduction.emplace_back("Depth counts from the level surface (docs/reports/accuracy.md).");
   }
   AtomicFile file({folder_->page(), IfThere::kReplace});
   file.write(validationPage(judgedClaims(), introduction, whole));
