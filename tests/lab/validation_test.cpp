@@ -107,7 +107,7 @@ std::array<double, 3> lightsAt(double truth, double sd, double tolerance) {
 TEST(Validation, IsRarelyWrongInSimulatedValidations) {
   for (const double sd : {0.02, 0.1, 0.15, 0.2, 0.3}) {
     constexpr double kTolerance = 0.4;
-    const double most = sd < kWideSpread ? 0.065 : 0.085;  // a look at the spread costs up to 3 %
+    const double most = sd < kWideSpread ? 0.065 : 0.085;  // the second decision costs up to 3 %
     const std::array<double, 3> at_end = lightsAt(1 + kTolerance, sd, kTolerance);
     EXPECT_LT(at_end[0], most) << "holds at the end of the tolerance, SD " << sd;
     EXPECT_LT(at_end[2], most) << "fails there, SD " << sd;

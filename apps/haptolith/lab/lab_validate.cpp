@@ -261,7 +261,7 @@ std::size_t Validation::pieceFor(const ClaimRun& run, std::uint64_t seed) {
 }
 
 /// Returns the missing pieces by seed, those of one soil apart: the first of a soil simulates its strength, which the
-/// others share, and nobody waits for it.
+/// others share without waiting for it.
 std::vector<std::size_t> Validation::missingPieces() const {
   std::map<std::tuple<std::string, std::string, std::string, std::uint64_t>, int> seen;
   std::vector<std::pair<std::pair<std::uint64_t, int>, std::size_t>> ordered;

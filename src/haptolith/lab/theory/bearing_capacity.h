@@ -44,7 +44,7 @@ struct BearingCapacity {
 [[nodiscard]] BearingCapacity meyerhofBearing(const Footing& footing);
 [[nodiscard]] BearingCapacity vesicBearing(const Footing& footing);
 
-/// How soil deforms before it fails.
+/// Deformation of soil before it fails.
 struct Compressibility {
   double shear_modulus_pa = 0;  ///< G; above 0
   double volume_strain = 0;     ///< Delta, decrease of volume until failure; 0 to 1
