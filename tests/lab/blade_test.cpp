@@ -165,7 +165,7 @@ TEST(Blade, NeedsADraftInProportionToGravityWhenContactsAreAsMuchSofter) {
   LabConditions conditions = coarseSand(kRadius_m);
   const double earth = bladeTest(conditions, kPlane).draft_n;
   BladeOptions slower = kPlane;
-  slower.speed_m_s /= std::sqrt(kWeaker);  // equal v^2/(g d)
+  *slower.speed_m_s /= std::sqrt(kWeaker);  // equal v^2/(g d)
   conditions.gravity_m_s2 /= kWeaker;
   conditions.soil.stiffness_n_m /= kWeaker;
   conditions.soil.gamma_nm /= kWeaker;

@@ -78,7 +78,7 @@ TEST(Plate, NeedsForceInProportionToGravityWhenContactsAreAsMuchSofter) {
   conditions.soil.stiffness_n_m /= kWeaker;
   conditions.soil.gamma_nm /= kWeaker;
   PlateOptions slower = kSmall;
-  slower.speed_m_s /= std::sqrt(kWeaker);
+  *slower.speed_m_s /= std::sqrt(kWeaker);
   EXPECT_NEAR(strong / force(plateTest(conditions, slower), 0.015) / kWeaker, 1, 0.35);
 }
 

@@ -22,9 +22,11 @@ constexpr int kMostSubsteps = 1000;
 /// (docs/reports/performance.md).
 constexpr double kShorterSteps = 4.0 / 3;
 
-/// Fraction of the particles that may still move when friction is switched on. Without friction a few slide over the
-/// surface for many times as long as the bed takes to become dense: waiting for them adds 0.1 to 0.6 % of density.
+/// Dense soil: friction is switched on when all but this fraction of the particles are slower than kSlow times the speed
+/// at rest. Without friction a few slide over the surface for many times as long as the bed takes to become dense:
+/// waiting for them adds 0.1 to 0.6 % of density.
 constexpr double kStillMoving = 0.01;
+constexpr double kSlow = 2;
 
 /// Volume fraction of randomly jammed spheres (O'Hern et al. 2003: 0.64 for equal spheres).
 constexpr double kRandomPacking = 0.64;
@@ -384,7 +386,7 @@ void LabBed::settleUntilRest(double longest_s, std::string_view what, const Part
   const auto fraction = [&part](double t) { return part.begin + t / (t + kHalf_s) * (part.end - part.begin); };
   for (double t = 0; t < longest_s; t += kBetweenLooks_s) {
     run(kBetweenLooks_s, what, {}, {fraction(t), fraction(t + kBetweenLooks_s)});
-    if (t > 0 && fractionFasterThan(at_rest) <= still_moving) {
+    if (t > 0 && fractionFasterThan(still_moving > 0 ? kSlow * at_rest : at_rest) <= still_moving) {
       return;
     }
   }

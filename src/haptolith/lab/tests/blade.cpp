@@ -23,6 +23,7 @@ namespace {
 constexpr double kBladeStiffness = 2;
 constexpr double kBladeThickness_m = 2e-3;
 constexpr double kAboveDepths = 1.5;   // height of the blade above the surface
+constexpr double kInertia = 0.008;     // v^2/(g d): equal on all bodies, so that forces scale with gravity
 constexpr double kBehindDepths = 1.2;  // soil behind the blade; its force on the back is a few per cent
 
 /// Initial blade and soil. The blade moves along x.
@@ -269,8 +270,10 @@ void validate(const LabConditions& conditions, const BladeOptions& options) {
   requireInRange("depth_m", options.depth_m, {4 * conditions.soil.radius_m, 10});
   requireInRange("rake_rad", options.rake_rad, {std::numbers::pi / 6, std::numbers::pi * 2 / 3});
   constexpr double kMostInertia = 0.1;
-  requireInRange("speed_m_s", options.speed_m_s,
-                 {0, std::sqrt(kMostInertia * conditions.gravity_m_s2 * options.depth_m), Ends::kOpenBelow});
+  if (options.speed_m_s) {
+    requireInRange("speed_m_s", *options.speed_m_s,
+                   {0, std::sqrt(kMostInertia * conditions.gravity_m_s2 * options.depth_m), Ends::kOpenBelow});
+  }
   requireInRange("tool_friction", options.tool_friction, {0, std::tan(std::numbers::pi / 3)});
   requireInRange("level_depths", options.level_depths, {0, 100});
   requireInRange("travel_depths", options.travel_depths, {options.level_depths, 100, Ends::kOpenBelow});
@@ -289,6 +292,8 @@ void validate(const LabConditions& conditions, const BladeOptions& options) {
 BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options) {
   validate(conditions, options);
   const SoilParameters& soil = conditions.soil;
+  const double speed_m_s =
+      options.speed_m_s.value_or(std::sqrt(kInertia * conditions.gravity_m_s2 * options.depth_m));
   const Setup setup = setUp(conditions, options);
   const double largest = soil.radius_m * (1 + soil.size_spread);
   const auto beside_blade = [&](const Vec3& centre) {
@@ -313,7 +318,7 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   result.depth_m = surface - options.below_depths * options.depth_m;
   result.width_m = options.width_m;
   result.bulk_density_kg_m3 = bed.bulkDensity(0.2 * surface, 0.8 * surface);
-  result.inertia = options.speed_m_s * options.speed_m_s / (conditions.gravity_m_s2 * result.depth_m);
+  result.inertia = speed_m_s * speed_m_s / (conditions.gravity_m_s2 * result.depth_m);
 
   const bool has_sides = options.side_room_depths > 0;
   const BladeCase undisturbed = caseOf(conditions, options, result);
@@ -328,9 +333,9 @@ BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& optio
   }
 
   std::vector<Moment> moments;
-  bed.moveTool({{options.speed_m_s, 0, 0}, Vec3::Zero()});
+  bed.moveTool({{speed_m_s, 0, 0}, Vec3::Zero()});
   progress.enter(kMoves, 1);
-  bed.run(options.travel_depths * options.depth_m / options.speed_m_s, "the blade moves", [&] {
+  bed.run(options.travel_depths * options.depth_m / speed_m_s, "the blade moves", [&] {
     const Vec3& force = bed.toolWrench().force_n;
     const Vec3 on_front = forceOnFront(bed, setup.tool);
     moments.push_back({bed.toolPose().position_m.x() - setup.start.position_m.x(), -force.x(), -force.z(),

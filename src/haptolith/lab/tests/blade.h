@@ -19,7 +19,8 @@ struct BladeOptions {
   double width_m = 0.05;                   ///< w, across the path
   double depth_m = 0.03;                   ///< d, depth of the lower edge; at least 2 particle diameters, better 6
   double rake_rad = std::numbers::pi / 2;  ///< alpha, as BladeCase::rake_rad; 30 to 120 deg
-  double speed_m_s = 0.02;                 ///< v; v^2/(g d) at most 0.1, better 0.02: the equation neglects inertia
+  /// v; v^2/(g d) at most 0.1, better 0.02, because the equation neglects inertia; empty: it is 0.008.
+  std::optional<double> speed_m_s;
   double tool_friction = 0.36;             ///< tan(delta)
   double level_depths = 0.5;               ///< begin of the average, in depths of travel; see bladeTest()
   double travel_depths = 1.5;              ///< its end, in depths of travel

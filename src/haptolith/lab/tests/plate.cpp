@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "haptolith/core/error.h"
@@ -16,6 +17,9 @@ constexpr double kWidestBed_m = 10;
 
 /// Fraction of rho0 g D, the pressure scale of the soil under a plate, that counts as contact.
 constexpr double kPlateContactShare = 0.05;
+
+/// v^2/(g D): equal on all bodies, so that forces scale with gravity.
+constexpr double kInertia = 0.004;
 
 /// Thickness over diameter; soil does not flow onto the plate at a smaller sinkage.
 constexpr double kThickness = 1.0;
@@ -35,7 +39,7 @@ Push plateInto(const LabConditions& conditions, const PlateOptions& options, dou
   push.contact_n =
       kPlateContactShare * conditions.soil.rho0_kg_m3 * conditions.gravity_m_s2 * options.diameter_m * area_m2;
   push.depth_m = options.max_sinkage_m;
-  push.speed_m_s = options.speed_m_s;
+  push.speed_m_s = options.speed_m_s.value_or(std::sqrt(kInertia * conditions.gravity_m_s2 * options.diameter_m));
   push.sample_m = options.max_sinkage_m / options.points;
   push.window_m = options.window_m;
   push.bed_width_m = options.bed_width_diameters * options.diameter_m;
@@ -56,7 +60,9 @@ void validate(const LabConditions& conditions, const PlateOptions& options) {
                  {8 * conditions.soil.radius_m,
                   std::floor(kPlateMmPerM * kWidestBed_m / options.bed_width_diameters) / kPlateMmPerM});
   requireInRange("max_sinkage_m", options.max_sinkage_m, {0, kThickness * options.diameter_m, Ends::kOpenBelow});
-  requireInRange("speed_m_s", options.speed_m_s, {0, 10, Ends::kOpenBelow});
+  if (options.speed_m_s) {
+    requireInRange("speed_m_s", *options.speed_m_s, {0, 10, Ends::kOpenBelow});
+  }
   requireInRange("friction", options.friction, {0, 10});
   requireInRange("bed_depth_diameters", options.bed_depth_diameters,
                  {options.max_sinkage_m / options.diameter_m, 100, Ends::kOpenBelow});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +16,7 @@ namespace haptolith {
 struct PlateOptions {
   double diameter_m = 0.06;          ///< D; at least 4 particle diameters
   double max_sinkage_m = 0.03;       ///< above 0
-  double speed_m_s = 0.02;           ///< v; v^2/(g D) should be far below 1
+  std::optional<double> speed_m_s;   ///< v; v^2/(g D) should be far below 1; empty: it is 0.004
   double friction = 0.36;            ///< friction of plate against soil
   double bed_width_diameters = 3.5;  ///< width of the square box, in D; at least 2
   double bed_depth_diameters = 2.5;  ///< depth of the soil as filled, in D; the floor is rough
