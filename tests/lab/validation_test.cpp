@@ -72,7 +72,7 @@ TEST(Validation, KnowsFactorsAndRanges) {
   EXPECT_EQ(judge(factor, specimens({5.3, 5.4, 5.5})).light, ClaimLight::kGreen);
   EXPECT_EQ(judge(factor, specimens({17, 19, 23})).light, ClaimLight::kYellow);
   EXPECT_EQ(judge(factor, specimens({4.4, 4.5, 4.6})).light, ClaimLight::kRed);
-  const ClaimOutcome wide = judge(factor, specimens({5, 20}));
+  const ClaimOutcome wide = judge(factor, specimens({5, 15}));
   EXPECT_NEAR(wide.ratio_interval->lowest * wide.ratio_interval->highest, 1, 1e-9) << "symmetric in logarithms";
 
   Claim range = within(0.1);
@@ -126,6 +126,11 @@ TEST(Validation, ComparesEachSpecimenWithItsOwnTheory) {
   EXPECT_EQ(outcome.light, ClaimLight::kGreen);
   EXPECT_DOUBLE_EQ(*outcome.ratio->standard_error, 0) << "ratios, not numbers, have the scatter";
   EXPECT_DOUBLE_EQ(outcome.other->mean, 20);
+  const ClaimOutcome scattering = judge(claim, {{.ours = 10, .other = 5, .why_not = ""},
+                                                {.ours = 10, .other = 20, .why_not = ""},
+                                                {.ours = 10, .other = 5, .why_not = ""}});
+  EXPECT_DOUBLE_EQ(scattering.ratio->mean, 1) << "of the means: the mean of the ratios is 1.5";
+  EXPECT_NEAR(*scattering.ratio->standard_error, 0.5, 1e-12);  // of 1.5, 0 and 1.5
 }
 
 TEST(Validation, ASpecimenWithoutANumberMakesItRed) {

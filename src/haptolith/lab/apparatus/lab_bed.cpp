@@ -22,9 +22,9 @@ constexpr int kMostSubsteps = 1000;
 /// (docs/reports/performance.md).
 constexpr double kShorterSteps = 4.0 / 3;
 
-/// Dense soil: friction is switched on when all but this fraction of the particles are slower than kSlow times the speed
-/// at rest. Without friction a few slide over the surface for many times as long as the bed takes to become dense:
-/// waiting for them adds 0.1 to 0.6 % of density.
+/// Dense soil: friction is switched on when all but this fraction of the particles are slower than kSlow times the
+/// speed at rest. Without friction a few slide over the surface for many times as long as the bed takes to become
+/// dense: waiting for them adds 0.1 to 0.6 % of density.
 constexpr double kStillMoving = 0.01;
 constexpr double kSlow = 2;
 

@@ -118,8 +118,8 @@ class LabBed {
   }
 
   /// Lets the soil fall until it is at rest. Dense: without friction and cohesion until 99 % of it is nearly at rest,
-  /// then with them until all is. Loose: with them, which leaves gaps. Medium: as loose, then without them for the time that
-  /// a particle takes to fall by its radius, then with them again. @throws Failure as run(), and when it does not
+  /// then with them until all is. Loose: with them, which leaves gaps. Medium: as loose, then without them for the time
+  /// that a particle takes to fall by its radius, then with them again. @throws Failure as run(), and when it does not
   /// settle.
   void settle(Preparation preparation = Preparation::kDense);
 

@@ -33,13 +33,22 @@ std::optional<Range> intervalOf(const std::vector<double>& numbers) {
   return Range{value.mean - t * *value.standard_error, value.mean + t * *value.standard_error};
 }
 
-std::vector<double> logarithms(std::vector<double> numbers) {
-  std::ranges::transform(numbers, numbers.begin(), [](double number) { return std::log(number); });
-  return numbers;
+/// Returns values whose mean is the ratio of the means, and whose scatter is its linearised error:
+/// r + (ours - r other) / mean(other). Means of single ratios would be too large where references scatter.
+std::vector<double> ratiosOf(const std::vector<double>& ours, const std::vector<double>& others) {
+  const double mean_other = mean(others);
+  const double ratio = mean(ours) / mean_other;
+  std::vector<double> values(ours.size());
+  std::ranges::transform(ours, others, values.begin(),
+                         [=](double one, double other) { return ratio + (one - ratio * other) / mean_other; });
+  return values;
 }
 
-Range exponentials(const Range& range) {
-  return {std::exp(range.lowest), std::exp(range.highest)};
+/// Returns the interval of a mean in logarithms, as wide at both ends by a factor.
+Range inLogarithms(const Range& interval) {
+  const double middle = (interval.lowest + interval.highest) / 2;
+  const double factor = std::exp((interval.highest - middle) / middle);
+  return {middle / factor, middle * factor};
 }
 
 bool hasInside(const Range& outer, const Range& inner) {
@@ -80,7 +89,6 @@ ClaimOutcome judge(const Claim& claim, const std::vector<ClaimSpecimen>& specime
   ClaimOutcome outcome;
   std::vector<double> ours;
   std::vector<double> others;
-  std::vector<double> ratios;
   for (const ClaimSpecimen& specimen : specimens) {
     const std::optional<double> other = claim.expected ? claim.expected : specimen.other;
     const bool has_ratio = specimen.ours && other && *other != 0;
@@ -92,9 +100,6 @@ ClaimOutcome judge(const Claim& claim, const std::vector<ClaimSpecimen>& specime
     if (other) {
       others.push_back(*other);
     }
-    if (has_ratio) {
-      ratios.push_back(*specimen.ours / *other);
-    }
   }
   outcome.specimens = ours.size();
   if (ours.empty()) {
@@ -104,13 +109,14 @@ ClaimOutcome judge(const Claim& claim, const std::vector<ClaimSpecimen>& specime
   if (others.size() == ours.size()) {
     outcome.other = valueOf(others);
   }
-  if (ratios.size() == ours.size()) {
+  std::vector<double> ratios;
+  if (others.size() == ours.size() && mean(others) != 0) {
+    ratios = ratiosOf(ours, others);
     outcome.ratio = valueOf(ratios);
-  }
-  const bool by_factor = claim.factor && std::ranges::all_of(ratios, [](double ratio) { return ratio > 0; });
-  if (ratios.size() == ours.size()) {
-    outcome.ratio_interval =
-        by_factor && ratios.size() > 1 ? exponentials(*intervalOf(logarithms(ratios))) : intervalOf(ratios);
+    outcome.ratio_interval = intervalOf(ratios);
+    if (claim.factor && outcome.ratio_interval && outcome.ratio->mean > 0) {
+      outcome.ratio_interval = inLogarithms(*outcome.ratio_interval);
+    }
   }
   Range accepted;
   if (claim.accepted) {

@@ -62,7 +62,7 @@ struct ClaimOutcome {
   std::size_t specimens = 0;            ///< number of specimens with a result
   std::optional<ClaimValue> ours;       ///< simulated mean; empty: no specimen has a result
   std::optional<ClaimValue> other;      ///< reference over all specimens
-  std::optional<ClaimValue> ratio;      ///< simulated over reference; empty for a reference of 0
+  std::optional<ClaimValue> ratio;      ///< mean simulated over mean reference; empty for a reference of 0
   std::optional<Range> ratio_range;     ///< tolerance as a range of the ratio; empty for a reference of 0
   std::optional<Range> ratio_interval;  ///< 90 % confidence interval of the mean ratio; empty for fewer than two
   double spread = 0;    ///< SD of one specimen over the reference, or over half the tolerance for a reference of 0

@@ -292,8 +292,7 @@ void validate(const LabConditions& conditions, const BladeOptions& options) {
 BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options) {
   validate(conditions, options);
   const SoilParameters& soil = conditions.soil;
-  const double speed_m_s =
-      options.speed_m_s.value_or(std::sqrt(kInertia * conditions.gravity_m_s2 * options.depth_m));
+  const double speed_m_s = options.speed_m_s.value_or(std::sqrt(kInertia * conditions.gravity_m_s2 * options.depth_m));
   const Setup setup = setUp(conditions, options);
   const double largest = soil.radius_m * (1 + soil.size_spread);
   const auto beside_blade = [&](const Vec3& centre) {

@@ -21,12 +21,12 @@ struct BladeOptions {
   double rake_rad = std::numbers::pi / 2;  ///< alpha, as BladeCase::rake_rad; 30 to 120 deg
   /// v; v^2/(g d) at most 0.1, better 0.02, because the equation neglects inertia; empty: it is 0.008.
   std::optional<double> speed_m_s;
-  double tool_friction = 0.36;             ///< tan(delta)
-  double level_depths = 0.5;               ///< begin of the average, in depths of travel; see bladeTest()
-  double travel_depths = 1.5;              ///< its end, in depths of travel
-  double side_room_depths = 2;             ///< soil on either side of the blade, in d; 0: none, see bladeTest()
-  double ahead_depths = 3;                 ///< soil ahead of the blade's final position, in d
-  double below_depths = 0.8;               ///< soil under the lower edge, in d
+  double tool_friction = 0.36;  ///< tan(delta)
+  double level_depths = 0.5;    ///< begin of the average, in depths of travel; see bladeTest()
+  double travel_depths = 1.5;   ///< its end, in depths of travel
+  double side_room_depths = 2;  ///< soil on either side of the blade, in d; 0: none, see bladeTest()
+  double ahead_depths = 3;      ///< soil ahead of the blade's final position, in d
+  double below_depths = 0.8;    ///< soil under the lower edge, in d
   Preparation preparation = Preparation::kDense;
   DepthFrom depth_from = DepthFrom::kTips;
   double friction_angle_rad = 0.785;  ///< phi for the equations, as found by a shear test
