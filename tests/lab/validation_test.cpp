@@ -130,7 +130,7 @@ TEST(Validation, ComparesEachSpecimenWithItsOwnTheory) {
                                                 {.ours = 10, .other = 20, .why_not = ""},
                                                 {.ours = 10, .other = 5, .why_not = ""}});
   EXPECT_DOUBLE_EQ(scattering.ratio->mean, 1) << "of the means: the mean of the ratios is 1.5";
-  EXPECT_NEAR(*scattering.ratio->standard_error, 0.5, 1e-12);  // of 1.5, 0 and 1.5
+  EXPECT_NEAR(*scattering.ratio->standard_error, 0.5, 1e-12);
 }
 
 TEST(Validation, ASpecimenWithoutANumberMakesItRed) {
