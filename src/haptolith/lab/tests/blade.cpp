@@ -22,9 +22,9 @@ namespace {
 /// Stiffness over that of the particles; the blade must not deform before they do.
 constexpr double kBladeStiffness = 2;
 constexpr double kBladeThickness_m = 2e-3;
-constexpr double kAboveDepths = 1.5;   // height of the blade above the surface
-constexpr double kInertia = 0.008;     // v^2/(g d): equal on all bodies, so that forces scale with gravity
-constexpr double kBehindDepths = 1.2;  // soil behind the blade; its force on the back is a few per cent
+constexpr double kAboveDepths = 1.5;     // height of the blade above the surface
+constexpr double kBladeInertia = 0.008;  // v^2/(g d): equal on all bodies, so that forces scale with gravity
+constexpr double kBehindDepths = 1.2;    // soil behind the blade; its force on the back is a few per cent
 
 /// Initial blade and soil. The blade moves along x.
 struct Setup {
@@ -292,7 +292,8 @@ void validate(const LabConditions& conditions, const BladeOptions& options) {
 BladeResult bladeTest(const LabConditions& conditions, const BladeOptions& options) {
   validate(conditions, options);
   const SoilParameters& soil = conditions.soil;
-  const double speed_m_s = options.speed_m_s.value_or(std::sqrt(kInertia * conditions.gravity_m_s2 * options.depth_m));
+  const double speed_m_s =
+      options.speed_m_s.value_or(std::sqrt(kBladeInertia * conditions.gravity_m_s2 * options.depth_m));
   const Setup setup = setUp(conditions, options);
   const double largest = soil.radius_m * (1 + soil.size_spread);
   const auto beside_blade = [&](const Vec3& centre) {

@@ -19,7 +19,7 @@ constexpr double kWidestBed_m = 10;
 constexpr double kPlateContactShare = 0.05;
 
 /// v^2/(g D): equal on all bodies, so that forces scale with gravity.
-constexpr double kInertia = 0.004;
+constexpr double kPlateInertia = 0.004;
 
 /// Thickness over diameter; soil does not flow onto the plate at a smaller sinkage.
 constexpr double kThickness = 1.0;
@@ -39,7 +39,7 @@ Push plateInto(const LabConditions& conditions, const PlateOptions& options, dou
   push.contact_n =
       kPlateContactShare * conditions.soil.rho0_kg_m3 * conditions.gravity_m_s2 * options.diameter_m * area_m2;
   push.depth_m = options.max_sinkage_m;
-  push.speed_m_s = options.speed_m_s.value_or(std::sqrt(kInertia * conditions.gravity_m_s2 * options.diameter_m));
+  push.speed_m_s = options.speed_m_s.value_or(std::sqrt(kPlateInertia * conditions.gravity_m_s2 * options.diameter_m));
   push.sample_m = options.max_sinkage_m / options.points;
   push.window_m = options.window_m;
   push.bed_width_m = options.bed_width_diameters * options.diameter_m;
