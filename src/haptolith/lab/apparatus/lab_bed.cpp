@@ -22,11 +22,8 @@ constexpr int kMostSubsteps = 1000;
 /// (docs/reports/performance.md).
 constexpr double kShorterSteps = 4.0 / 3;
 
-/// Dense soil: friction is switched on when all but this fraction of the particles are slower than kSlow times the
-/// speed at rest. Without friction a few slide over the surface for many times as long as the bed takes to become
-/// dense: waiting for them adds 0.1 to 0.6 % of density.
-constexpr double kStillMoving = 0.01;
-constexpr double kSlow = 2;
+/// Speed of nearly resting soil over that of soil at rest.
+constexpr double kNearly = 2;
 
 /// Volume fraction of randomly jammed spheres (O'Hern et al. 2003: 0.64 for equal spheres).
 constexpr double kRandomPacking = 0.64;
@@ -354,14 +351,14 @@ void LabBed::run(double duration_s, std::string_view what, const std::function<v
   }
 }
 
-void LabBed::settle(Preparation preparation) {
+void LabBed::settle(Preparation preparation, double still_moving) {
   // Falling soil is slowed down to a speed proportional to gravity. On the Moon 20 s suffice for half a metre of loose
   // soil, on Ceres they do not. The friction of the icra2021 model also makes soil sink slowly.
   const double longest_s = 20 * std::max(1.0, 1.625 / conditions_.gravity_m_s2) * std::max(1.0, surfaceHeight() / 0.5) +
                            3 * sinkingTime(conditions_.soil, conditions_.gravity_m_s2, bed_.surfaceHeight(), dt_s_);
   if (preparation == Preparation::kDense) {
     bed_.setSettling(true);
-    settleUntilRest(longest_s, "the soil settles", {0, 0.7}, kStillMoving);
+    settleUntilRest(longest_s, "the soil settles", {0, 0.7}, still_moving);
   } else if (preparation == Preparation::kMedium) {
     settleUntilRest(longest_s, "the soil is settling", {0, 0.7});
     bed_.setSettling(true);
@@ -386,7 +383,7 @@ void LabBed::settleUntilRest(double longest_s, std::string_view what, const Part
   const auto fraction = [&part](double t) { return part.begin + t / (t + kHalf_s) * (part.end - part.begin); };
   for (double t = 0; t < longest_s; t += kBetweenLooks_s) {
     run(kBetweenLooks_s, what, {}, {fraction(t), fraction(t + kBetweenLooks_s)});
-    if (t > 0 && fractionFasterThan(still_moving > 0 ? kSlow * at_rest : at_rest) <= still_moving) {
+    if (t > 0 && fractionFasterThan(still_moving > 0 ? kNearly * at_rest : at_rest) <= still_moving) {
       return;
     }
   }

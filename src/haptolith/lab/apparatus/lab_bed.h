@@ -117,11 +117,13 @@ class LabBed {
     run(duration_s, what, each, {0, 1});
   }
 
-  /// Lets the soil fall until it is at rest. Dense: without friction and cohesion until 99 % of it is nearly at rest,
-  /// then with them until all is. Loose: with them, which leaves gaps. Medium: as loose, then without them for the time
-  /// that a particle takes to fall by its radius, then with them again. @throws Failure as run(), and when it does not
-  /// settle.
-  void settle(Preparation preparation = Preparation::kDense);
+  /// Lets the soil fall until it is at rest. Dense: without friction and cohesion until all but `still_moving` of it is
+  /// nearly at rest, then with them until all is. Loose: with them, which leaves gaps. Medium: as loose, then without
+  /// them for the time that a particle takes to fall by its radius, then with them again.
+  /// @param still_moving  a few particles slide over a surface without friction for many times as long as the bed takes
+  ///                      to become dense: waiting for them adds 0.1 to 0.7 % of density. 0: until all are at rest.
+  /// @throws Failure as run(), and when it does not settle.
+  void settle(Preparation preparation = Preparation::kDense, double still_moving = 0.01);
 
  private:
   /// Range of the reported progress, in fractions.

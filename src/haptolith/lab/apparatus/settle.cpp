@@ -77,7 +77,7 @@ SettleResult settleTest(const LabConditions& conditions, const SettleOptions& op
   const LabBox box{.width_m = side, .length_m = side, .periodic_x = true, .periodic_y = true};
   const std::size_t particles = particlesFor(conditions.soil, area * options.depth_m * kMostCompaction);
   LabBed lab(conditions, box, looseSoil(conditions.soil, box, particles, 0, conditions.seed));
-  lab.settle();
+  lab.settle(Preparation::kDense, 0);
 
   // The floor takes up half a diameter of volume, because centres are above it. So the mass above a height is counted.
   std::vector<double> heights;
