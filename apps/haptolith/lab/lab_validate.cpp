@@ -462,7 +462,9 @@ void addValidate(CLI::App& lab) {
   command->add_option("--soil", options->soil,
                       "Soil for claims about any soil: a name, a soil file, or P1 to P6 [each claim's]");
   command->add_option("--only", options->only, "Check only these claims or groups of claims")->delimiter(',');
-  command->add_option("--seeds", options->seeds, "Number of specimens of each test, 1 to 100")
+  command
+      ->add_option("--seeds", options->seeds,
+                   "Number of specimens of each test, 1 to 100; from 2 on, two more where they scatter")
       ->check(wholeNumberIn(kValidationSeeds))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "First seed of the specimens")
@@ -480,7 +482,7 @@ void addValidate(CLI::App& lab) {
   command->get_option("--overwrite")->description("Restart the validation in that folder")->excludes(resume);
   command->footer(
       "Examples:\n  haptolith lab validate --out evidence\n  haptolith lab validate --out evidence --resume    "
-      "continue it\n  haptolith lab validate --only Blades --seeds 1\n  haptolith lab validate --soil my-sand.toml");
+      "continue it\n  haptolith lab validate --only Blades\n  haptolith lab validate --soil my-sand.toml");
   command->callback([options] { runValidate(*options); });
 }
 
