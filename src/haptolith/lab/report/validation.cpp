@@ -256,10 +256,11 @@ std::string summaryText(const std::vector<JudgedClaim>& claims) {
        {ClaimKind::kConsistency, "self-consistency: haptolith compared with itself or with mechanics"}}};
   const ClaimCount all = countClaims(claims, {});
   const ClaimCount independent = countClaims(claims, ClaimKind::kIndependent);
-  std::string text =
-      fmt::format("\n**Result.** Of {} independent claims {} hold, {} are open and {} fail.{}\n\n", independent.claims,
-                  independent.lights[0], independent.lights[1], independent.lights[2],
-                  all.simulated < all.claims ? fmt::format(" Not simulated yet: {}.", all.claims - all.simulated) : "");
+  const ClaimCount& headline = independent.claims > 0 ? independent : all;
+  std::string text = fmt::format(
+      "\n**Result.** Of {} {}claims {} hold, {} are open and {} fail.{}\n\n", headline.claims,
+      independent.claims > 0 ? "independent " : "", headline.lights[0], headline.lights[1], headline.lights[2],
+      all.simulated < all.claims ? fmt::format(" Not simulated yet: {}.", all.claims - all.simulated) : "");
   text += "| Claims | Number | 🟢 hold | 🟡 open | 🔴 fail |\n|---|--:|--:|--:|--:|\n";
   for (const auto& [kind, name] : kKinds) {
     const ClaimCount count = countClaims(claims, kind);
