@@ -236,7 +236,9 @@ LabTest coneEntry() {
           .typical_s = 120,
           .options = {millimetresOption("cone_diameter_mm", own->base_diameter_m, "Diameter of the cone's base"),
                       millimetresOption("max_depth_mm", own->max_depth_m, "Largest depth of the base"),
-                      preparationOption(own->preparation), depthFromOption(own->depth_from)},
+                      preparationOption(own->preparation), depthFromOption(own->depth_from),
+                      numberOption("box_diameters", own->bed_width_diameters,
+                                   "Width of the square box, in diameters of the cone")},
           .run = [own](const LabSoil&, const LabConditions& conditions) { return coneOutput(conditions, *own); }};
 }
 

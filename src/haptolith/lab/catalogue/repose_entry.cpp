@@ -49,7 +49,8 @@ LabTest reposeEntry() {
           .without_cohesion = true,
           .typical_s = 60,
           .options = {numberOption("tube_radius", own->tube_radius, "Radius of the tube, in particle radii"),
-                      numberOption("fill", own->fill, "Height of the soil in the tube, in particle radii")},
+                      numberOption("fill", own->fill, "Height of the soil in the tube, in particle radii"),
+                      preparationOption(own->preparation)},
           .run = [own](const LabSoil& soil, const LabConditions& conditions) {
             return reposeOutput(soil, conditions, *own);
           }};

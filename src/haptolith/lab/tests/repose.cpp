@@ -61,11 +61,12 @@ struct ReposeApparatus {
     return plate;
   }
 
-  [[nodiscard]] std::vector<Vec3> fillOf(const SoilParameters& soil, std::uint64_t seed) const {
+  [[nodiscard]] std::vector<Vec3> fillOf(const SoilParameters& soil, std::uint64_t seed,
+                                         Preparation preparation) const {
     const double most = inner_m - (1 + soil.size_spread) * soil.radius_m;
     const auto inside = [&](const Vec3& c) { return std::hypot(c.x(), c.y()) < most; };
     const std::size_t particles = particlesFor(soil, std::numbers::pi * inner_m * inner_m * fill_m);
-    return looseSoil(soil, box, particles, floor_z_m + 2 * soil.radius_m, seed, inside);
+    return looseSoil(soil, box, particles, floor_z_m + 2 * soil.radius_m, seed, inside, preparation);
   }
 
   /// Returns the pose of the tube with the round end of its wall `gap_m` above the floor.
@@ -83,13 +84,13 @@ class HeapOnFloor {
       : conditions_(conditions),
         options_(options),
         apparatus_(apparatus),
-        bed_(inner, apparatus.box, apparatus.fillOf(conditions.soil, conditions.seed),
+        bed_(inner, apparatus.box, apparatus.fillOf(conditions.soil, conditions.seed, options.preparation),
              {apparatus.floor(conditions.soil, conditions.seed)}, apparatus.tube) {
     bed_.placeTool(apparatus.tubeAt(0));
     trace_.columns = {"time_s", "tube_m", "heap_m", "fastest_m_s"};
   }
 
-  void settle() { bed_.settle(); }
+  void settle() { bed_.settle(options_.preparation); }
 
   /// Lifts the tube until its lower edge is above all soil; only then it contains no soil.
   void lift(StagedProgress& progress) {

@@ -6,6 +6,7 @@
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/vec.h"
 #include "haptolith/lab/apparatus/heap_profile.h"
+#include "haptolith/lab/apparatus/lab_bed.h"
 #include "haptolith/lab/laboratory.h"
 
 namespace haptolith {
@@ -14,10 +15,11 @@ namespace haptolith {
 /// particles does not depend on their number. The standard heap is about 10 particle diameters high; below 8 the angle
 /// scatters by several degrees.
 struct ReposeOptions {
-  double tube_radius = 13;  ///< inner radius of the tube, in R; 4 to 100
-  double fill = 60;         ///< height of the soil in the tube, in R; 4 to 500
-  double lift_speed = 0.4;  ///< speed of the tube, in sqrt(g R); above 0 to 5
-  double ring_width = 4;    ///< width of the rings of the surface profile, in R; 2 to 20
+  double tube_radius = 13;                        ///< inner radius of the tube, in R; 4 to 100
+  double fill = 60;                               ///< height of the soil in the tube, in R; 4 to 500
+  double lift_speed = 0.4;                        ///< speed of the tube, in sqrt(g R); above 0 to 5
+  double ring_width = 4;                          ///< width of the rings of the surface profile, in R; 2 to 20
+  Preparation preparation = Preparation::kDense;  ///< dense soil gives heaps above its residual angle
 };
 
 struct ReposeResult {
