@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "haptolith/core/error.h"
@@ -88,7 +89,12 @@ PlateResult plateTest(const LabConditions& conditions, const PlateOptions& optio
     pressures.push_back({reading.depth_m, reading.force_n / result.area_m2});
     result.trace.rows.push_back({reading.depth_m, reading.force_n, pressures.back().pressure_pa});
   }
-  result.fit = fitPressureSinkage(pressures);
+  try {
+    result.fit = fitPressureSinkage(pressures);
+  } catch (const Failure&) {  // no power law: the readings are still valid
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    result.fit = {.modulus = kNone, .exponent = kNone, .residual_rms_pa = kNone};
+  }
   return result;
 }
 

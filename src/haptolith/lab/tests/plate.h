@@ -32,7 +32,7 @@ void validate(const LabConditions& conditions, const PlateOptions& options);
 
 struct PlateResult {
   std::vector<PushReading> curve;  ///< force against sinkage, evenly sampled
-  PressureSinkage fit;             ///< fit to the entire curve
+  PressureSinkage fit;             ///< fit to the entire curve; NaN: it is no power law
   double area_m2 = 0;
   double bulk_density_kg_m3 = 0;
   double bed_depth_m = 0;
@@ -46,8 +46,7 @@ struct PlateResult {
 /// only touches the tips of single particles. The box has smooth side walls, which take no vertical force but prevent
 /// sideways movement of the soil, and a floor, which prevents downward movement. Both make the soil appear stronger;
 /// docs/reports/accuracy.md compares two depths of bed.
-/// @throws InvalidParameter outside the ranges above; Failure as LabBed::run() and fitPressureSinkage(). Not for the
-/// tick.
+/// @throws InvalidParameter outside the ranges above; Failure as LabBed::run(). Not for the tick.
 [[nodiscard]] PlateResult plateTest(const LabConditions& conditions, const PlateOptions& options = {});
 
 /// Measured curve to draw as a reference.
