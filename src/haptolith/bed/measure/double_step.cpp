@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "haptolith/bed/measure/apart.h"
 #include "haptolith/bed/measure/reference_contact.h"
 #include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
@@ -14,14 +15,6 @@ namespace {
 
 Vec3 vec(const Float4& f) {
   return {f.x, f.y, f.z};
-}
-
-/// Returns the vector from the second centre to the first, across periodic sides.
-Vec3 apart(const BedParameters& bed, const Float4& first, const Float4& second) {
-  Vec3 apart_m = vec(first) - vec(second);
-  apart_m.x() -= bed.periodic_x ? bed.width_m * std::round(apart_m.x() / bed.width_m) : 0;
-  apart_m.y() -= bed.periodic_y ? bed.length_m * std::round(apart_m.y() / bed.length_m) : 0;
-  return apart_m;
 }
 
 /// Whether a particle may touch the floor or a wall in this step.

@@ -21,7 +21,7 @@ struct StepError {
 /// positions, velocities and friction memory, without the kernels. The differences are those of rounding in a step.
 /// Compared are free particles that are awake and touch no wall. The bed must be one of which hasDoubleStep() is true.
 /// Not for the tick.
-/// @param dt_s  a stable step.
+/// @param dt_s  a stable step. @throws Failure when the step fails.
 [[nodiscard]] StepError compareWithDouble(const Bed& bed, double dt_s);
 
 }  // namespace haptolith

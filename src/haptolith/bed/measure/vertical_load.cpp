@@ -1,9 +1,9 @@
 #include "haptolith/bed/measure/vertical_load.h"
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "haptolith/bed/measure/apart.h"
 #include "haptolith/core/assert.h"
 #include "haptolith/soil/contact_law.h"
 
@@ -17,13 +17,6 @@ VerticalLoad verticalLoad(const Bed& bed, double height_m) {
   const double tangential_n_m = soil.tangential_ratio * soil.stiffness_n_m;
   const BedState& state = bed.state();
   const ContactLists& lists = state.contacts;
-  const auto apart = [&](std::size_t i, std::size_t j) {
-    const Float4 &a = state.position[i], &b = state.position[j];
-    Vec3 apart_m(a.x - b.x, a.y - b.y, a.z - b.z);
-    apart_m.x() -= parameters.periodic_x ? parameters.width_m * std::round(apart_m.x() / parameters.width_m) : 0;
-    apart_m.y() -= parameters.periodic_y ? parameters.length_m * std::round(apart_m.y() / parameters.length_m) : 0;
-    return apart_m;
-  };
   // Slip of i against j. A contact with a sleeping group is kept by the other side.
   const auto slipped = [&](std::size_t i, std::size_t j, std::uint32_t s) -> double {
     if (!state.asleep(i / kGroup)) {
@@ -44,7 +37,7 @@ VerticalLoad verticalLoad(const Bed& bed, double height_m) {
       if (state.position[j].z >= height_m) {
         continue;
       }
-      const Vec3 apart_m = apart(i, j);
+      const Vec3 apart_m = apart(parameters, state.position[i], state.position[j]);
       const double distance_m = apart_m.norm();
       const double force_n = contactForce(law, distance_m - state.position[i].w - state.position[j].w);
       load.carried_n += force_n * apart_m.z() / distance_m - tangential_n_m * slipped(i, j, s);

@@ -125,7 +125,7 @@ LabOutput plateOutput(const LabConditions& conditions, const PlateOptions& optio
     (void)vesicBearing(footing);  // fails now, not after minutes
   }
   std::optional<SoilRigidity> rigidity;
-  if (strength.measured) {
+  if (strength.measured && options.preparation == Preparation::kDense) {  // denseRigidity() knows no other soil
     const double under_plate_m = footing.depth_m + footing.diameter_m / 2;
     rigidity = denseRigidity(staged, footing.density_kg_m3 * footing.gravity_m_s2 * under_plate_m);
   }

@@ -111,11 +111,11 @@ SoilParameters withContact(SoilParameters soil, const ContactStrength& contact) 
 }
 
 /// Returns k of a contact that carries 0.3 of the stress `largest_pa` over its particle's cross-section with an overlap
-/// of 2.8 % of R, or 0.35 % for a linear spring. With it the strength at the largest stress equals that with twice the
+/// of 2.8 % of R, or 0.35 % for a linear spring. The strength at the largest stress then equals that with twice the
 /// stiffness, within the scatter of specimens (docs/explanation/contact-model.md).
 double stiffnessFor(double largest_pa, double radius_m, DensityProfile density) {
   const double overlap = density == DensityProfile::kLunar ? 0.028 : 0.0035;
-  return 4 * radius_m * 0.3 * largest_pa / overlap;
+  return 4 * radius_m * (0.3 * largest_pa) / overlap;
 }
 
 constexpr int kSearchSeeds = 2;
