@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Installs the wheel of `./dev wheel` with pip in bare Debian roots, digs, and compares the state's hash with that of the program built
+# here: tests/packages/wheel_root.sh [SUITE...], as root, with Debian's mmdebstrap. Takes some minutes and the network.
+set -euo pipefail
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+wheel=$(compgen -G "$source/build/wheels/*.whl" | head -n 1) || { echo "wheel_root.sh: no wheel: ./dev wheel" >&2; exit 2; }
+program=$source/build/release/apps/haptolith/haptolith
+[[ -x $program ]] || { echo "wheel_root.sh: no program: ./dev build" >&2; exit 2; }
+(($# > 0)) || set -- bookworm trixie
+dig=(run icra2021 --no-realtime --duration-s 2 --json)
+expected=$("$program" "${dig[@]}" | grep state_hash)
+root=$(mktemp -d)
+trap 'umount -q "$root/proc" "$root/dev" || true; rm -rf --one-file-system "$root"' EXIT
+
+say() { printf 'wheel_root.sh: %s\n' "$*"; }
+within() { chroot "$root" /usr/bin/env -i PATH=/venv/bin:/usr/bin:/bin HOME=/root LC_ALL=C.UTF-8 "$@"; }
+
+for suite in "$@"; do
+  rm -rf "$root" && mkdir -p "$root"
+  say "making a root of $suite"
+  mmdebstrap --quiet --variant=minbase --include=python3-venv,python3-matplotlib "$suite" "$root"
+  mount --bind /dev "$root/dev"
+  mount -t proc proc "$root/proc"
+  mkdir "$root/wheel"
+  cp "$wheel" "$root/wheel/"
+  cp "$source/examples/python/dig_and_plot.py" "$root/"
+  within python3 -m venv --system-site-packages /venv  # numpy and matplotlib are Debian's, as there is no index
+  begin=$(date +%s.%N)
+  within sh -c 'pip install --no-index --quiet /wheel/*.whl'
+  within python3 /dig_and_plot.py /dig.png
+  end=$(date +%s.%N)
+  [[ -s $root/dig.png ]] || { say "$suite: no plot"; exit 1; }
+  found=$(within haptolith "${dig[@]}" | grep state_hash)
+  [[ $found == "$expected" ]] || { say "$suite: $found instead of $expected"; exit 1; }
+  # All of ours and of what it brings comes from the wheel, the rest from every Linux.
+  within sh -c 'ldd /venv/lib/python3*/site-packages/haptolith/*.so* /venv/lib/python3*/site-packages/haptolith/_program/haptolith' |
+    awk '$2 == "=>" && $3 !~ "^/venv/" { print $1 }' | sort -u | tr '\n' ' ' > "$root/system"
+  say "$(printf '%s: installed and plotted in %.1f s, %s; from the system: %s' "$suite" "$(awk "BEGIN { print $end - $begin }")" \
+    "$(du -h "$wheel" | cut -f1)" "$(cat "$root/system")")"
+  umount "$root/proc" "$root/dev"
+done
