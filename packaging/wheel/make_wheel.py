@@ -94,7 +94,7 @@ def add_package(prefix: Path, tree: Path) -> list[Path]:
 
 
 def add_libraries(files: list[Path], tree: Path) -> tuple[list[Path], set[str]]:
-    """Copies what the files need, and tells them where. Returns the copies and the names of their Debian packages."""
+    """Copies what the files need, and sets their run paths. Returns the copies and the names of their Debian packages."""
     libraries: dict[str, Path] = {}
     ours = {file.name for file in files}
     for file in files:

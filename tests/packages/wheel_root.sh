@@ -32,7 +32,7 @@ for suite in "$@"; do
   [[ -s $root/dig.png ]] || { say "$suite: no plot"; exit 1; }
   found=$(within haptolith "${dig[@]}" | grep state_hash)
   [[ $found == "$expected" ]] || { say "$suite: $found instead of $expected"; exit 1; }
-  # All of ours and of what it brings comes from the wheel, the rest from every Linux.
+  # Only libraries of every Linux come from the system.
   within sh -c 'ldd /venv/lib/python3*/site-packages/haptolith/*.so* /venv/lib/python3*/site-packages/haptolith/_program/haptolith' |
     awk '$2 == "=>" && $3 !~ "^/venv/" { print $1 }' | sort -u | tr '\n' ' ' > "$root/system"
   say "$(printf '%s: installed and plotted in %.1f s, %s; from the system: %s' "$suite" "$(awk "BEGIN { print $end - $begin }")" \
