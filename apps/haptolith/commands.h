@@ -46,6 +46,7 @@ void addSoilCalibrateCommand(CLI::App& soil);
 void addCollect(CLI::App& lab);
 void addReport(CLI::App& lab);
 void addValidate(CLI::App& lab);
+void addBand(CLI::App& lab);
 
 // Subcommands of `haptolith study`.
 void addStudyExcludeCommand(CLI::App& study);

@@ -261,7 +261,9 @@ HAPTO_API int32_t hapto_scene_tool_set_drive(hapto_scene *scene, uint32_t tool, 
 
 enum { HAPTO_DRIVE_NONE = 0, HAPTO_DRIVE_SPEED = 1, HAPTO_DRIVE_TORQUE = 2, HAPTO_DRIVE_FREE = 3 };
 /* A tool after the last tick. Means over that tick: soil_wrench, grip_force_n and the torques, which act on the tool about
- * the joint's axis. */
+ * the joint's axis. force_low_n to force_high_n: range, with a probability of 90 %, of the mean soil force over the last 0.25 s
+ * in another specimen with particles half as large; NaN in the first 0.25 s, with ICRA 2021 friction and with particles of several
+ * sizes. */
 typedef struct hapto_tool_state {
   uint32_t size;
   int32_t in_soil;            /* 0: it has not been placed or stepped yet */
@@ -278,6 +280,8 @@ typedef struct hapto_tool_state {
   double grip_force_n;        /* of the soil that opened them */
   double fade;
   double stiffness_n_m[9];    /* as hapto_scene_get_contact_stiffness() */
+  double force_low_n;         /* band of the mean soil force over the last 0.25 s */
+  double force_high_n;
 } hapto_tool_state;
 HAPTO_API int32_t hapto_scene_tool_get_state(const hapto_scene *scene, uint32_t tool, hapto_tool_state *out); /* [1 kHz] */
 

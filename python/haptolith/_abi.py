@@ -47,7 +47,8 @@ class ToolState(Structure):
     _fields_ = [("size", c_uint32), ("in_soil", c_int32), ("drive", c_int32), ("reserved", c_uint32),
                 ("scene_T_tool", Pose), ("scene_T_turned", Pose), ("soil_wrench", Wrench), ("angle_rad", c_double),
                 ("speed_rad_s", c_double), ("soil_torque_nm", c_double), ("motor_torque_nm", c_double),
-                ("opening_m", c_double), ("grip_force_n", c_double), ("fade", c_double), ("stiffness_n_m", c_double * 9)]
+                ("opening_m", c_double), ("grip_force_n", c_double), ("fade", c_double), ("stiffness_n_m", c_double * 9),
+                ("force_low_n", c_double), ("force_high_n", c_double)]
 
 
 class DeviceLimits(Structure):

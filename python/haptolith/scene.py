@@ -269,6 +269,11 @@ class Scene:
         require(_lib.hapto_scene_get_grip_force(self.address, ctypes.byref(n)))
         return n.value
 
+    @property
+    def force_band(self) -> Optional[tuple[float, float]]:
+        """As Tool.force_band, of the first tool."""
+        return self.tools[0].force_band
+
     def set_opening(self, share: float) -> None:
         """Sets the opening of the jaws at the end of the next tick, 0 to 1."""
         require(_lib.hapto_scene_set_opening(self.address, share))

@@ -90,6 +90,13 @@ class Tool:
         return float(self._state().grip_force_n)
 
     @property
+    def force_band(self) -> Optional[tuple[float, float]]:
+        """Range, with a probability of 90 %, of the mean soil force over the last 0.25 s in another specimen with particles
+        half as large, N. None in the first 0.25 s, with ICRA 2021 friction and particles of several sizes."""
+        state = self._state()
+        return None if np.isnan(state.force_low_n) else (float(state.force_low_n), float(state.force_high_n))
+
+    @property
     def fade(self) -> float:
         """Present fraction of the tool: see set_fade()."""
         return float(self._state().fade)

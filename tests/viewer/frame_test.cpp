@@ -385,6 +385,12 @@ TEST(Frame, HasTheBytesThatThePageIsTestedWith) {
   with_tools.take(withTwoTools(snapshot),
                   {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads, .tools = kBesideTwoTools});
   EXPECT_EQ(*with_tools.frameSince(0), bytesOf("tests/data/frame-v1-tools.bin"));
+
+  SceneSnapshot banded = withTwoTools(snapshot);
+  banded.tools[0].force_band = {1.5, 3.25};
+  FrameEncoder with_bands(7, 40, kSpace, 99);
+  with_bands.take(banded, {.wanted = Pose{Vec3(0, 0, 0.1)}, .held = true, .load_n = loads, .tools = kBesideTwoTools});
+  EXPECT_EQ(*with_bands.frameSince(0), bytesOf("tests/data/frame-v1-bands.bin"));
 }
 
 }  // namespace

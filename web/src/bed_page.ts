@@ -194,6 +194,7 @@ export function openBedPage(settings: Settings, program: Program, buttons: HTMLE
     { keys: ['0'], label: 'reset the view', group: 'view', run: () => stage.resetView() },
     { keys: ['+', '='], shown: '+ −', label: 'nearer, farther', group: 'view', run: () => zoom(1.15) },
     { keys: ['-'], shown: '', label: 'farther', group: 'view', run: () => zoom(1 / 1.15) },
+    { keys: ['i'], label: 'error band of the force: show or hide', group: 'view', run: () => plots.toggleBand() },
     { keys: ['c'], label: 'next colours', group: 'view', run: nextColour },
     { keys: ['p'], label: 'show soil as grains or as spheres', group: 'view', run: nextDrawing },
     { keys: ['v'], label: 'enter or leave VR', group: 'view', run: toggleVr },

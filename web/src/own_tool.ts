@@ -14,7 +14,8 @@ export function frameOf(frame: Frame, own: number): Frame {
   const tool = frame.tools[own];
   if (!tool) return frame;
   const { hub, wished, force_n, torque_nm, opening_m, held_by } = tool;
-  return { ...frame, tool: hub, wished, force_n, torque_nm, opening_m, held: held_by !== 0 };
+  const bands = frame.bands.slice(own, own + 1);
+  return { ...frame, tool: hub, wished, force_n, torque_nm, opening_m, held: held_by !== 0, bands };
 }
 
 /** Name of this tool in commands; undefined: it is the only one. */

@@ -136,6 +136,7 @@ void addLabCommand(CLI::App& app) {
   addCollect(*lab);
   addReport(*lab);
   addValidate(*lab);
+  addBand(*lab);
 }
 
 }  // namespace haptolith

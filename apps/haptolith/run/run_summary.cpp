@@ -67,6 +67,10 @@ std::string grainsText(const Bed& bed) {
                           : fmt::format("{} particles ({})", bed.particles(), all);
 }
 
+Json bandJson(const std::optional<ForceRange>& band) {
+  return band ? Json{band->low_n, band->high_n} : Json(nullptr);
+}
+
 Json toolsJson(const SceneFile& scene_file, const Scene& scene) {
   Json tools = Json::array();
   const std::vector<std::string_view> names = toolNames(scene_file);
@@ -75,6 +79,7 @@ Json toolsJson(const SceneFile& scene_file, const Scene& scene) {
     const Vec3& force_n = scene.soilWrench(i).force_n;
     tools.push_back({{"name", names.at(i)},
                      {"soil_force_n", {force_n.x(), force_n.y(), force_n.z()}},
+                     {"force_band_n", bandJson(scene.forceBand(i))},
                      {"joint", scene.tool(i).joint.any() ? Json{{"angle_rad", joint.angle_rad},
                                                                 {"speed_rad_s", joint.speed_rad_s},
                                                                 {"soil_torque_nm", joint.soil_torque_nm},

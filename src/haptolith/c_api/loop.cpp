@@ -259,6 +259,7 @@ class Loop {
     state.soil_torque_nm = shown.joint.soil_torque_nm;
     state.motor_torque_nm = shown.joint.motor_torque_nm;
     state.opening_m = shown.opening_m;
+    giveBand(shown.force_band, state);
     give(state, out);
   }
   [[nodiscard]] std::size_t tools() const noexcept { return scene_->scene().tools(); }

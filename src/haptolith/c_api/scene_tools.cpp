@@ -58,7 +58,10 @@ hapto_tool_state stateOf(const SceneObject& object, std::size_t tool) noexcept {
                          .opening_m = scene.opening(tool),
                          .grip_force_n = scene.soilForce(tool).grip_n,
                          .fade = object.fade(tool),
-                         .stiffness_n_m = {}};
+                         .stiffness_n_m = {},
+                         .force_low_n = 0,
+                         .force_high_n = 0};
+  giveBand(scene.forceBand(tool), state);
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>{state.stiffness_n_m} = scene.contactStiffness(tool);
   return state;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +15,7 @@
 #include "haptolith/c_api/errors.h"
 #include "haptolith/core/movement.h"
 #include "haptolith/device/haptic_device.h"
+#include "haptolith/scene/force_band.h"
 
 namespace haptolith::library {
 
@@ -45,6 +48,13 @@ namespace haptolith::library {
 
 [[nodiscard]] inline Wrench wrench(const hapto_wrench& w) noexcept {
   return {vec(w.force_n), vec(w.torque_nm)};
+}
+
+/// NaN where the band is not known.
+inline void giveBand(const std::optional<ForceRange>& band, hapto_tool_state& state) noexcept {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  state.force_low_n = band ? band->low_n : kUnknown;
+  state.force_high_n = band ? band->high_n : kUnknown;
 }
 
 [[nodiscard]] inline DeviceOutput output(const hapto_device_output& out) noexcept {

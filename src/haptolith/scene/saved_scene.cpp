@@ -186,6 +186,7 @@ void Scene::Tool::recall(const SavedTool& saved) noexcept {
   stiffness_n_m = saved.contact_stiffness_n_m;
   joint = saved.joint;
   memory.restore(saved.memory);
+  recent_force.restart();
 }
 
 }  // namespace haptolith

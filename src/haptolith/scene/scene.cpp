@@ -111,6 +111,7 @@ void Scene::setTool(const ToolParameters& parameters, std::size_t tool) noexcept
   changed.parameters = parameters;
   changed.joint = Tool::atStart(parameters);
   changed.opening_m = changed.opening * parameters.opening_m;
+  changed.recent_force.restart();
 }
 
 void Scene::Tool::open(double share) noexcept {
@@ -165,6 +166,11 @@ void Scene::Tool::startTick(double tick_s) noexcept {
   }
 }
 
+MeanForce Scene::Tool::nowInSoil() const noexcept {
+  const double one_n_m = parameters.stiffness_n_m;
+  return {.force_n = soil_force.wrench.force_n.norm(), .contacts = one_n_m > 0 ? stiffness_n_m.trace() / one_n_m : 0};
+}
+
 Pose Scene::Tool::turnedPose() const noexcept {
   return parameters.joint.any() ? turned(pose, parameters.joint, joint.angle_rad) : pose;
 }
@@ -177,6 +183,12 @@ ToolForce Scene::handForce(std::size_t tool) const noexcept {
     force.wrench.torque_nm += missing_nm * (held.pose.orientation * held.parameters.joint.axis);
   }
   return force;
+}
+
+std::optional<ForceRange> Scene::forceBand(std::size_t tool) const noexcept {
+  const BedParameters& bed = bed_.parameters();
+  const std::optional<MeanForce> mean = at(tool).recent_force.mean();
+  return mean && bed.grading.fine_radius_m == 0 ? forceRange(*mean, bed.soil, bed.gravity_m_s2.norm()) : std::nullopt;
 }
 
 void Scene::setDrive(double value, std::size_t tool) noexcept {
@@ -257,6 +269,7 @@ StepStatus Scene::tickAll(std::span<const HandState> hands) noexcept {
     tool.opening_m = tool.opening * tool.parameters.opening_m;
     tool.soil_force = {{tool.sum.wrench.force_n / substeps_, tool.sum.wrench.torque_nm / substeps_},
                        tool.sum.grip_n / substeps_};
+    tool.recent_force.add(tool.nowInSoil());
     tool.joint.soil_torque_nm = tool.soil_torque_sum_nm / substeps_;
     tool.joint.motor_torque_nm = tool.motor_torque_sum_nm / substeps_;
   }

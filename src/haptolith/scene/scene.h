@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include "haptolith/bed/bed.h"
 #include "haptolith/core/assert.h"
 #include "haptolith/core/movement.h"
+#include "haptolith/scene/force_band.h"
 #include "haptolith/tool/tool_memory.h"
 #include "haptolith/tool/tool_parameters.h"
 
@@ -97,6 +99,10 @@ class Scene {
   /// The soil wrench and the force that pushed jaws apart (see ToolReaction), 0 with another tool.
   [[nodiscard]] const ToolForce& soilForce(std::size_t tool = 0) const noexcept { return at(tool).soil_force; }
 
+  /// Range of the mean magnitude of the soil force over the last 0.25 s: forceRange(). Empty as that, in the first
+  /// 0.25 s, and in beds with particles of several sizes. May be called in the tick.
+  [[nodiscard]] std::optional<ForceRange> forceBand(std::size_t tool = 0) const noexcept;
+
   /// Force of a tool on its hand: the soil force; with a joint, the opposite of the motor's torque about the axis
   /// instead of the soil's. May be called in the tick.
   [[nodiscard]] ToolForce handForce(std::size_t tool = 0) const noexcept;
@@ -164,11 +170,16 @@ class Scene {
  private:
   struct Tool {
     Tool(const ToolParameters& tool, const Bed& bed)
-        : parameters(tool), opening_m(tool.opening_m), joint(atStart(tool)), memory(bed) {}
+        : parameters(tool),
+          opening_m(tool.opening_m),
+          joint(atStart(tool)),
+          memory(bed),
+          recent_force(bed.parameters().tick_s) {}
 
     void open(double share) noexcept;
     void startTick(double tick_s) noexcept;
     [[nodiscard]] Pose turnedPose() const noexcept;
+    [[nodiscard]] MeanForce nowInSoil() const noexcept;
     [[nodiscard]] static JointState atStart(const ToolParameters& tool) noexcept {
       return {.speed_rad_s = tool.joint.any() ? tool.joint.speed_rad_s : 0};
     }
@@ -183,6 +194,7 @@ class Scene {
     Eigen::Matrix3d stiffness_n_m = Eigen::Matrix3d::Zero();
     JointState joint;
     ToolMemory memory;
+    RecentForce recent_force;  ///< soil force; not saved
 
     // State within a tick.
     ToolParameters present;  ///< faded and opened as now

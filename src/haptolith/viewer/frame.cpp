@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 namespace haptolith {
 
@@ -20,6 +21,7 @@ constexpr std::uint16_t kWhole = 4;
 constexpr std::uint16_t kLoadsKnown = 8;
 constexpr std::uint16_t kHasStones = 16;
 constexpr std::uint16_t kHasTools = 32;
+constexpr std::uint16_t kHasBands = 64;
 
 /// A number between 10^lowest and 10^(lowest + decades) as 1 to 255, on a logarithmic scale.
 std::uint8_t onLogScale(double value, double lowest_exponent, double decades) {
@@ -115,6 +117,10 @@ void FrameEncoder::take(const SceneSnapshot& snapshot, const BesideSnapshot& bes
     const ShownTool& shown = snapshot.tools[i];
     tools_.push_back({shown, beside.tools[i].wanted.value_or(shown.scene_T_tool), beside.tools[i].held_by});
   }
+  bands_.clear();
+  if (std::ranges::any_of(snapshot.tools, [](const ShownTool& tool) { return tool.force_band.has_value(); })) {
+    std::ranges::transform(snapshot.tools, std::back_inserter(bands_), &ShownTool::force_band);
+  }
   wanted_ = beside.wanted.value_or(tool_);
   held_ = beside.held;
   shown_wrench_ = snapshot.device_wrench_in_scene;
@@ -175,6 +181,13 @@ std::shared_ptr<const std::string> FrameEncoder::frameSince(std::uint32_t seen) 
       put(bytes, tool.held_by);
     }
   }
+  if (!bands_.empty()) {
+    put(bytes, static_cast<std::uint32_t>(bands_.size()));
+    for (const std::optional<ForceRange>& band : bands_) {
+      put(bytes, static_cast<float>(band ? band->low_n : 0));
+      put(bytes, static_cast<float>(band ? band->high_n : -1));
+    }
+  }
   kept_.push_back({seen, std::make_shared<const std::string>(std::move(bytes))});
   return kept_.back().frame;
 }
@@ -186,7 +199,8 @@ std::string FrameEncoder::headFor(std::uint32_t runs, std::uint32_t records) con
   put(bytes, kFrameVersion);
   put(bytes, static_cast<std::uint16_t>(flag(paused_, kPaused) | flag(held_, kHeld) |
                                         flag(records == records_.size(), kWhole) | flag(loads_known_, kLoadsKnown) |
-                                        flag(!stones_.empty(), kHasStones) | flag(!tools_.empty(), kHasTools)));
+                                        flag(!stones_.empty(), kHasStones) | flag(!tools_.empty(), kHasTools) |
+                                        flag(!bands_.empty(), kHasBands)));
   put(bytes, scene_);
   put(bytes, time_s_);
   putPose(bytes, tool_);

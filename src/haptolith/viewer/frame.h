@@ -84,7 +84,8 @@ class FrameEncoder {
   Pose tool_, wanted_;
   Wrench shown_wrench_;  ///< device wrench in scene axes
   std::vector<Pose> stones_;
-  std::vector<Tool> tools_;  ///< none where frames have the first alone
+  std::vector<Tool> tools_;                       ///< none where frames have the first alone
+  std::vector<std::optional<ForceRange>> bands_;  ///< one per tool; empty where none is known
   double time_s_ = 0, tick_us_ = 0, opening_m_ = 0;
   std::uint32_t misses_ = 0, awake_ = 0;
   bool paused_ = false, held_ = false, loads_known_ = false;

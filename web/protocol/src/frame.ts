@@ -10,6 +10,7 @@ export const RUN_BYTES = 8;
 export const RECORD_BYTES = 8;
 export const STONE_BYTES = 28;
 export const TOOL_BYTES = 116;
+export const BAND_BYTES = 8;
 
 const FRAME_KIND = 1;
 const FLAG_PAUSED = 1;
@@ -18,6 +19,7 @@ const FLAG_WHOLE = 4;
 const FLAG_FORCES = 8;
 const FLAG_STONES = 16;
 const FLAG_TOOLS = 32;
+const FLAG_BANDS = 64;
 
 export interface FrameHeader {
   scene: number;
@@ -59,6 +61,13 @@ export interface ToolState {
   held_by: number;
 }
 
+/** Range, with a probability of 90 %, of the mean soil force over the last 0.25 s in another specimen of the soil with
+ * particles half as large, N. */
+export interface ForceBand {
+  low_n: number;
+  high_n: number;
+}
+
 export interface Frame extends FrameHeader {
   /** first particle and count of each run, in sequence */
   runs: Uint32Array;
@@ -68,6 +77,8 @@ export interface Frame extends FrameHeader {
   stones: Float32Array;
   /** every tool, in the order of the scene's `tools`; empty without those */
   tools: ToolState[];
+  /** one per tool, null where it is not known; empty where none is */
+  bands: (ForceBand | null)[];
 }
 
 function readVec3(view: DataView, at: number): Vec3 {
@@ -96,6 +107,12 @@ function readTool(view: DataView, at: number): ToolState {
     opening_m: view.getFloat32(at + 108, true),
     held_by: view.getUint32(at + 112, true),
   };
+}
+
+function readBand(view: DataView, at: number): ForceBand | null {
+  const low_n = view.getFloat32(at, true);
+  const high_n = view.getFloat32(at + 4, true);
+  return high_n < low_n ? null : { low_n, high_n };
 }
 
 const isPoseFinite = ({ position_m, rotation }: Pose): boolean => allFinite(...position_m, ...rotation);
@@ -132,6 +149,12 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     if (buffer.byteLength >= tools_at + 4) tool_count = view.getUint32(tools_at, true);
     expected_bytes += 4 + tool_count * TOOL_BYTES;
   }
+  const bands_at = expected_bytes;
+  let band_count = 0;
+  if (flags & FLAG_BANDS) {
+    if (buffer.byteLength >= bands_at + 4) band_count = view.getUint32(bands_at, true);
+    expected_bytes += 4 + band_count * BAND_BYTES;
+  }
   if (buffer.byteLength !== expected_bytes)
     throw new ProtocolError(`a frame has ${buffer.byteLength} bytes instead of ${expected_bytes}`);
 
@@ -158,13 +181,15 @@ export function decodeFrame(buffer: ArrayBuffer): Frame {
     records: new Uint16Array(buffer, HEADER_BYTES + run_count * RUN_BYTES, record_count * 4),
     stones: stone_count > 0 ? new Float32Array(buffer, stones_at + 4, stone_count * 7) : new Float32Array(),
     tools: Array.from({ length: tool_count }, (_, i) => readTool(view, tools_at + 4 + i * TOOL_BYTES)),
+    bands: Array.from({ length: band_count }, (_, i) => readBand(view, bands_at + 4 + i * BAND_BYTES)),
   };
   if (
     !allFinite(frame.time_s, frame.longestTick_us, frame.opening_m, ...frame.force_n, ...frame.torque_nm) ||
     !isPoseFinite(frame.tool) ||
     !isPoseFinite(frame.wished) ||
     !frame.stones.every(Number.isFinite) ||
-    !frame.tools.every(isToolFinite)
+    !frame.tools.every(isToolFinite) ||
+    !frame.bands.every((band) => band === null || allFinite(band.low_n, band.high_n))
   )
     throw new ProtocolError('a frame holds a number that is not finite');
 

@@ -16,6 +16,8 @@ interface Line {
   colour: string;
   width: number;
   points?: boolean;
+  /** an edge of the band, which is filled between two of them and has one key */
+  edge?: 'low' | 'high';
   explains?: string;
 }
 
@@ -53,6 +55,18 @@ const AXES: Line[] = [
   { name: 'magnitude', colour: '--plot-size', width: 1.75 },
 ];
 
+const BAND: Line[] = [
+  {
+    name: '90 % band',
+    colour: '--plot-band',
+    width: 0,
+    edge: 'high',
+    explains:
+      'Mean over 0.25 s: what another specimen of this soil with particles half as large would show in 90 of 100 cases.',
+  },
+  { name: '', colour: '--plot-band', width: 0, edge: 'low' },
+];
+
 const withMagnitude = (values: readonly number[]): number[] => [...values, Math.hypot(...values)];
 
 const SPECS: PlotSpec[] = [
@@ -60,8 +74,11 @@ const SPECS: PlotSpec[] = [
     title: 'Force',
     unit: 'N',
     arrow: '--force',
-    lines: AXES,
-    sample: (frame) => withMagnitude(frame.force_n),
+    lines: [...BAND, ...AXES],
+    sample: (frame) => {
+      const band = frame.bands[0];
+      return [band?.high_n ?? NaN, band?.low_n ?? NaN, ...withMagnitude(frame.force_n)];
+    },
     range: steppedRange(0.5),
   },
   {
@@ -101,7 +118,7 @@ export function inWords(spec: Pick<PlotSpec, 'title' | 'unit' | 'lines'>, [, ...
   const number = (value: number): string => String(Number(value.toPrecision(3)));
   const lines = spec.lines.flatMap((line, i) => {
     const values = (columns[i] ?? []).filter((value) => value !== null);
-    if (values.length === 0) return [];
+    if (values.length === 0 || line.edge) return [];
     if (line.points) return [`${line.name} ${values.length} ${values.length === 1 ? 'time' : 'times'}`];
     const [low, high] = [Math.min(...values), Math.max(...values)];
     return [`${line.name} ${number(values.at(-1)!)}, from ${number(low)} to ${number(high)}`];
@@ -118,20 +135,23 @@ export class Plots {
   private described_ms = -Infinity;
   private stale = false;
   private misses: number | null = null;
+  private band_shown = true;
 
   constructor(private readonly specs: readonly PlotSpec[] = SPECS) {
     this.histories = specs.map((spec) => new History(spec.lines.length));
     const figures = specs.map((spec) => {
       const host = h('div', { class: 'plot-host', role: 'img', 'aria-label': spec.title });
       this.hosts.push(host);
-      const keys = spec.lines.map((line) =>
-        h(
-          'span',
-          { class: 'plot-key', title: line.explains },
-          h('i', { class: line.points ? 'point' : null, style: `background:var(${line.colour})` }),
-          line.name,
-        ),
-      );
+      const keys = spec.lines
+        .filter((line) => line.name)
+        .map((line) =>
+          h(
+            'span',
+            { class: line.edge ? 'plot-key band' : 'plot-key', title: line.explains },
+            h('i', { class: line.points ? 'point' : null, style: `background:var(${line.colour})` }),
+            line.name,
+          ),
+        );
       if (spec.deadline)
         keys.push(h('span', { class: 'plot-key', title: 'time limit of a tick' }, h('i', { class: 'dashed' }), '1 ms'));
       return h(
@@ -161,6 +181,15 @@ export class Plots {
       drawnByProcessor(() => new uPlot(this.options(spec, i, colour), this.histories[i]!.table(), this.hosts[i]!)),
     );
     this.stale = true;
+  }
+
+  /** Shows or hides the band around the force. */
+  toggleBand(): void {
+    this.band_shown = !this.band_shown;
+    this.element.classList.toggle('without-band', !this.band_shown);
+    this.specs.forEach((spec, i) =>
+      spec.lines.forEach((line, k) => line.edge && this.plots[i]?.setSeries(k + 1, { show: this.band_shown })),
+    );
   }
 
   clear(): void {
@@ -237,20 +266,24 @@ export class Plots {
       series: [
         {},
         ...spec.lines.map((line): uPlot.Series => ({
-          stroke: colour(line.colour),
+          show: line.edge === undefined || this.band_shown,
+          stroke: line.edge ? 'transparent' : colour(line.colour),
           width: line.width,
           paths: line.points ? () => null : undefined,
-          points: line.points
-            ? { show: true, size: 6, fill: colour(line.colour) }
-            : {
-                show: true,
-                size: 2 * line.width,
-                fill: colour(line.colour),
-                filter: (plot, series) => lonely(plot.data[series]!),
-              },
+          points: line.edge
+            ? { show: false }
+            : line.points
+              ? { show: true, size: 6, fill: colour(line.colour) }
+              : {
+                  show: true,
+                  size: 2 * line.width,
+                  fill: colour(line.colour),
+                  filter: (plot, series) => lonely(plot.data[series]!),
+                },
           spanGaps: false,
         })),
       ],
+      bands: spec.lines.some((line) => line.edge) ? [{ series: [1, 2], fill: colour('--plot-band') }] : [],
       hooks: spec.deadline ? { draw: [(plot) => drawDeadline(plot, colour('--late'))] } : {},
     };
   }

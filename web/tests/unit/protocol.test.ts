@@ -189,6 +189,12 @@ describe('the frame that the program is tested against', () => {
     expect(tools[1]!.wished.position_m).toEqual(single([0.04, 0, 0.04]));
   });
 
+  it('has bands after the tools', () => {
+    const { bands, ...rest } = sharedFrame('frame-v1-bands.bin');
+    expect({ ...rest, bands: [] }).toEqual(sharedFrame('frame-v1-tools.bin'));
+    expect(bands).toEqual([{ low_n: 1.5, high_n: 3.25 }, null]);
+  });
+
   it('shows every grain where it is', () => {
     for (let i = 0; i < 40; ++i) {
       const [x, y, z, state] = frame.records.subarray(4 * i, 4 * i + 4) as unknown as [number, number, number, number];

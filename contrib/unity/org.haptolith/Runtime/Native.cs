@@ -88,7 +88,9 @@ namespace Haptolith
 
   /// <summary>
   /// A tool after the last tick. Means over that tick: soil_wrench, grip_force_n and the torques, which act on the tool about
-  /// the joint's axis.
+  /// the joint's axis. force_low_n to force_high_n: range, with a probability of 90 %, of the mean soil force over the last 0.25 s
+  /// in another specimen with particles half as large; NaN in the first 0.25 s, with ICRA 2021 friction and with particles of several
+  /// sizes.
   /// </summary>
   [StructLayout(LayoutKind.Sequential)]
   public unsafe struct hapto_tool_state
@@ -108,6 +110,8 @@ namespace Haptolith
     public double grip_force_n;  // of the soil that opened them
     public double fade;
     public fixed double stiffness_n_m[9];  // as hapto_scene_get_contact_stiffness()
+    public double force_low_n;  // band of the mean soil force over the last 0.25 s
+    public double force_high_n;
   }
 
   /// <summary>Limits that a device declares. hapto_device_limits_init() sets those of an ideal device; INFINITY: no limit.</summary>

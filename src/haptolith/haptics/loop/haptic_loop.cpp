@@ -351,6 +351,7 @@ void HapticLoop::tell(SceneSnapshot& snapshot) const noexcept {
                          .opening_m = scene_->opening(i),
                          .joint = scene_->joint(i),
                          .soil_wrench = scene_->soilWrench(i),
+                         .force_band = scene_->forceBand(i),
                          .device_wrench_in_scene = held ? hands_[i].sentInScene() : Wrench{},
                          .trip = held ? hands_[i].safety().trip() : SafetyTrip::kNone};
   }

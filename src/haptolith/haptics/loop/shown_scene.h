@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "haptolith/core/process/latest_value.h"
@@ -21,9 +22,10 @@ struct ShownTool {
   double opening_m = 0;  ///< between jaws
   JointState joint;
   // Values of the last tick, also while time is paused and the device is sent zero.
-  Wrench soil_wrench;                   ///< soil on tool, about the tool's origin, scene frame, unfiltered
-  Wrench device_wrench_in_scene;        ///< device wrench in scene axes, with the device's magnitude
-  SafetyTrip trip = SafetyTrip::kNone;  ///< why its hand feels nothing just now
+  Wrench soil_wrench;                      ///< soil on tool, about the tool's origin, scene frame, unfiltered
+  std::optional<ForceRange> force_band{};  ///< Scene::forceBand()
+  Wrench device_wrench_in_scene;           ///< device wrench in scene axes, with the device's magnitude
+  SafetyTrip trip = SafetyTrip::kNone;     ///< why its hand feels nothing just now
 };
 
 /// A picture of the scene for viewers, about 60 times a second. Each tick copies a part of a large bed, so

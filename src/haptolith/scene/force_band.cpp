@@ -1,0 +1,62 @@
+#include "haptolith/scene/force_band.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace haptolith {
+
+double particleForce(const SoilParameters& soil, double gravity_m_s2) noexcept {
+  const double mass_kg = 4.0 / 3 * std::numbers::pi * std::pow(soil.radius_m, 3) * soil.rho0_kg_m3;
+  return mass_kg * gravity_m_s2 + soil.contact_cohesion_n;
+}
+
+std::optional<ForceRange> forceRange(const MeanForce& mean, const SoilParameters& soil, double gravity_m_s2) noexcept {
+  if (soil.friction != FrictionModel::kContact) {
+    return std::nullopt;
+  }
+  constexpr double kFactor = 0.753;     // B
+  constexpr double kShallow = 1.19;     // S
+  constexpr double kPerContact = 2.91;  // P
+  constexpr double kParticles = 1.14;   // A
+  constexpr double kRelative = 0.225;   // M
+  constexpr double kRoot = 2.11;        // K
+  constexpr double kLeast = 1.96;       // L
+  const double particle_n = particleForce(soil, gravity_m_s2);
+  const double scaled_n = kPerContact * mean.contacts * particle_n;
+  const double shallow = mean.force_n > 0 ? kShallow * scaled_n / (scaled_n + mean.force_n) : 0;
+  const double middle_n = mean.force_n * (kFactor + shallow) + kParticles * particle_n;
+  const double half_n = std::sqrt(std::pow(kRelative * mean.force_n, 2) + kRoot * kRoot * particle_n * mean.force_n +
+                                  std::pow(kLeast * particle_n, 2));
+  return ForceRange{std::max(0.0, middle_n - half_n), middle_n + half_n};
+}
+
+RecentForce::RecentForce(double tick_s) noexcept
+    : ticks_per_part_(static_cast<std::size_t>(std::max(1L, std::lround(kWindow_s / kParts / tick_s)))) {}
+
+void RecentForce::add(const MeanForce& tick) noexcept {
+  MeanForce& sum = sums_[ticks_ / ticks_per_part_ % kParts];
+  if (ticks_ % ticks_per_part_ == 0) {
+    sum = {};
+  }
+  sum.force_n += tick.force_n;
+  sum.contacts += tick.contacts;
+  ++ticks_;
+}
+
+std::optional<MeanForce> RecentForce::mean() const noexcept {
+  if (ticks_ < kParts * ticks_per_part_) {
+    return std::nullopt;
+  }
+  // The part that is being filled replaces the whole of it.
+  const std::size_t begun = ticks_ % ticks_per_part_;
+  const auto ticks = static_cast<double>((begun == 0 ? kParts : kParts - 1) * ticks_per_part_ + begun);
+  MeanForce mean;
+  for (const MeanForce& sum : sums_) {
+    mean.force_n += sum.force_n / ticks;
+    mean.contacts += sum.contacts / ticks;
+  }
+  return mean;
+}
+
+}  // namespace haptolith
