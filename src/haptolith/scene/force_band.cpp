@@ -15,19 +15,19 @@ std::optional<ForceRange> forceRange(const MeanForce& mean, const SoilParameters
   if (soil.friction != FrictionModel::kContact) {
     return std::nullopt;
   }
-  constexpr double kFactor = 0.753;     // B
-  constexpr double kShallow = 1.19;     // S
-  constexpr double kPerContact = 2.91;  // P
-  constexpr double kParticles = 1.14;   // A
-  constexpr double kRelative = 0.225;   // M
-  constexpr double kRoot = 2.11;        // K
-  constexpr double kLeast = 1.96;       // L
+  constexpr double kFactor = 0.771;     // B
+  constexpr double kShallow = 1.256;    // S
+  constexpr double kPerContact = 2.43;  // P
+  constexpr double kParticles = 1.145;  // A
+  constexpr double kRelative = 0.29;    // M
+  constexpr double kContact = 0.43;     // K
+  constexpr double kLeast = 4.9;        // L
   const double particle_n = particleForce(soil, gravity_m_s2);
   const double scaled_n = kPerContact * mean.contacts * particle_n;
   const double shallow = mean.force_n > 0 ? kShallow * scaled_n / (scaled_n + mean.force_n) : 0;
   const double middle_n = mean.force_n * (kFactor + shallow) + kParticles * particle_n;
-  const double half_n = std::sqrt(std::pow(kRelative * mean.force_n, 2) + kRoot * kRoot * particle_n * mean.force_n +
-                                  std::pow(kLeast * particle_n, 2));
+  const double relative_squared = kRelative * kRelative + kContact * kContact / (mean.contacts + 1);
+  const double half_n = std::sqrt(relative_squared * mean.force_n * mean.force_n + std::pow(kLeast * particle_n, 2));
   return ForceRange{std::max(0.0, middle_n - half_n), middle_n + half_n};
 }
 

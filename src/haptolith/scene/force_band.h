@@ -15,7 +15,7 @@ struct ForceRange {
 
 /// Soil force on a tool, averaged over some ticks.
 struct MeanForce {
-  double force_n = 0;   ///< of the magnitude
+  double force_n = 0;   ///< mean magnitude
   double contacts = 0;  ///< trace of the contact stiffness over k_tool, as Scene::contactStiffness(): number of
                         ///< particles that resist
 };
@@ -26,7 +26,7 @@ struct MeanForce {
 /// Range of the mean force of another specimen of the soil with particles half as large, for the same movement over
 /// 0.25 s, with a probability of 90 %. With particleForce() f, N = F / f and the contacts c:
 ///
-///     F (B + S / (1 + N / (P c))) + A f +- sqrt((M F)^2 + K^2 f F + (L f)^2).
+///     F (B + S / (1 + N / (P c))) + A f +- sqrt((M^2 + K^2 / (c + 1)) F^2 + (L f)^2).
 ///
 /// S: coarse particles meet a flat tool later, where each contact carries little. The numbers were fitted to random
 /// beds and movements (docs/reports/trust.md). It does not include the difference between simulated and real soil.
@@ -53,7 +53,7 @@ class RecentForce {
   static constexpr std::size_t kParts = 25;
 
   std::size_t ticks_per_part_;
-  std::array<MeanForce, kParts> sums_{};  ///< of parts of the window, round and round
+  std::array<MeanForce, kParts> sums_{};  ///< sums over parts of the window, round and round
   std::size_t ticks_ = 0;
 };
 

@@ -108,7 +108,7 @@ SceneFile bandScene(std::uint64_t number) {
       half_mm = length_mm / 2;
     }
   }
-  constexpr double kMostDepth_mm = 34;  // of soil 48 mm deep
+  constexpr double kMostDepth_mm = 34;  // soil is 48 mm deep
   const double deepest_mm = std::min(depth_mm + half_mm, kMostDepth_mm);
   const double side_mm = 2 * (reach_mm + 0.6 * width_mm + 0.7 * deepest_mm);
   const std::string text = fmt::format(

@@ -11,7 +11,7 @@ namespace haptolith {
 
 /// One window of 0.25 s in a trial of the band (forceRange()).
 struct BandWindow {
-  MeanForce mean;          ///< of a specimen
+  MeanForce mean;          ///< one specimen
   double reference_n = 0;  ///< mean force of two others with particles half as large
   double particle_n = 0;   ///< weight and cohesion of a particle of the specimen
   ForceRange band;         ///< for the specimen
