@@ -57,12 +57,12 @@ const AXES: Line[] = [
 
 const BAND: Line[] = [
   {
-    name: '90 % band',
+    name: 'band',
     colour: '--plot-band',
     width: 0,
     edge: 'high',
     explains:
-      'Mean over 0.25 s: what another specimen of this soil with particles half as large would show in 90 of 100 cases.',
+      'Band of 90 %, mean over 0.25 s: what another specimen of this soil with particles half as large would show.',
   },
   { name: '', colour: '--plot-band', width: 0, edge: 'low' },
 ];
