@@ -25,9 +25,8 @@ constexpr double kBeta = 10;  // second parameter of the Beta(1, 10) priors
 constexpr double kWeberBeta =
     60;  // for the rates of weber sigmoids, chosen by simulation: docs/reports/psychometric-coverage.md
 
-/// Falls from 1 to 0 as a cosine for `share` from 0 to 1.
+/// Falls from 1 to 0 as a cosine for `share` from 0 to 1; constant elsewhere.
 double cosineFall(double share) noexcept {
-  HAPTO_ASSERT(share >= 0 && share <= 1);
   return (1 + std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0))) / 2;
 }
 
