@@ -377,7 +377,7 @@ ParameterPoint pointOf(const Posterior& posterior, std::size_t index) {
 }
 
 Interval credibleInterval(const Posterior& posterior, int parameter, double confidence) {
-  HAPTO_ASSERT(confidence > 0 && confidence < 1);
+  HAPTO_ASSERT(confidence >= 0 && confidence < 1);  // 0: the median
   HAPTO_ASSERT(parameter >= 0 && parameter < kParameters);
   const GridAxis& axis = posterior.axes[parameter];
   if (axis.range.isFixed()) {
@@ -389,7 +389,7 @@ Interval credibleInterval(const Posterior& posterior, int parameter, double conf
 }
 
 Interval percentileInterval(std::vector<WeightedValue> values, double confidence) {
-  HAPTO_ASSERT(confidence > 0 && confidence < 1);
+  HAPTO_ASSERT(confidence >= 0 && confidence < 1);  // 0: the median
   HAPTO_ASSERT(!values.empty());
   std::ranges::sort(values, {}, &WeightedValue::value);
   std::vector<WeightedValue> distinct;
