@@ -117,7 +117,6 @@ double quantile(const std::vector<std::pair<double, double>>& masses, double sha
 /// Returns median and interval of `place` over the hypotheses.
 template <class Place>
 Estimate marginal(const std::vector<Hypothesis>& hypotheses, double confidence, Place place) {
-  HAPTO_ASSERT(confidence >= 0 && confidence < 1);
   HAPTO_ASSERT(!hypotheses.empty());
   requireInRange("confidence", confidence, {0, 1, Ends::kOpen});
   std::map<double, double> sums;
