@@ -86,6 +86,15 @@ TEST(Findings, BladeIsJudgedByWhatPressesOnItsFrontBesideTheEquationThatKnowsIts
   EXPECT_EQ(verdictOf(found[4]), Verdict::kInfo);
 }
 
+TEST(Findings, OfBladesThatSpecimensMetAtOtherDepthsHaveTheSameNames) {
+  BladeResult deep;
+  deep.width_m = 0.05;
+  deep.depth_m = 0.0254;
+  BladeResult shallow = deep;
+  shallow.depth_m = 0.0243;
+  EXPECT_EQ(findings(deep, {}).front().measured, findings(shallow, {}).front().measured);
+}
+
 TEST(Findings, LunarSoilOnTheMoonIsJudgedByWhatWasMeasuredThere) {
   for (const std::optional<SoilTarget>& known : {std::optional<SoilTarget>{}, std::optional(target(1500))}) {
     const auto found = findings(settledTo(1520), kMoon_m_s2, known);

@@ -147,9 +147,8 @@ std::vector<Finding> findings(const ConeResult& result) {
 }
 
 std::vector<Finding> findings(const BladeResult& result, const std::optional<SoilTarget>& target) {
-  Finding draft{fmt::format("draft of a blade {:.0f} mm wide, {:.0f} mm deep", result.width_m / kOneMm_m,
-                            result.depth_m / kOneMm_m),
-                "", result.draft_n, " N", 2};
+  // Its depth is measured, so that it differs between specimens, whose findings have to have equal names.
+  Finding draft{fmt::format("draft of a blade {:.0f} mm wide", result.width_m / kOneMm_m), "", result.draft_n, " N", 2};
   const BladeEquations& heaped = result.expected_heaped.undisturbed;
   const double with_heap_n = heaped.wedge ? heaped.wedge->draft_n : heaped.earthmoving.draft_n;
   Finding ratio{fmt::format("draft on its front over that of {}, under the heap before it",
