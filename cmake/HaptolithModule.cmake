@@ -9,6 +9,10 @@ target_compile_options(haptolith_flags INTERFACE
   $<$<BOOL:${HAPTOLITH_WERROR}>:-Werror>)
 # Eigen's vectors sum in another order on each processor.
 target_compile_definitions(haptolith_flags INTERFACE EIGEN_DONT_VECTORIZE)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  # NEON is part of every processor. SVE, which is not, crashes g++ 12, and without a choice Highway's functions are inlined everywhere.
+  target_compile_definitions(haptolith_flags INTERFACE HWY_COMPILE_ONLY_STATIC TOOLCHAIN_MISS_SYS_AUXV_H)
+endif()
 if(HAPTOLITH_SANITIZE)
   target_compile_options(haptolith_flags INTERFACE
     -fsanitize=${HAPTOLITH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all

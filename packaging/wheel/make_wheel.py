@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Makes a Python wheel of an installed haptolith: make_wheel.py PREFIX VERSION OUT.
+"""Makes a Python wheel of an installed haptolith: make_wheel.py PREFIX VERSION OUT [--root ROOT] [--hdf5 LICENCE].
 
 PREFIX is what `cmake --install` made: libexec/haptolith, lib/libhaptolith*.so and lib/python3/dist-packages.
+ROOT has the libraries of the processor that PREFIX is for, if that is not this machine's (packaging/dependencies/make_root).
 The wheel has all shared libraries that these need and not every Linux brings, with names of their own, as auditwheel would
 give them, and the licence of each. The same input makes the same bytes; SOURCE_DATE_EPOCH is the time of all files.
 Needs Debian's binutils and patchelf.
@@ -9,6 +10,7 @@ Needs Debian's binutils and patchelf.
 
 from __future__ import annotations
 
+import argparse
 import base64
 import hashlib
 import os
@@ -35,27 +37,37 @@ def output(*command: str | Path) -> str:
     return subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True).stdout
 
 
-def needed(file: Path, ours: set[str]) -> dict[str, Path]:
-    """Libraries that a file needs, directly or not, by name, without ours and those of every Linux."""
-    found = {}
-    for line in output("ldd", file).splitlines():
-        words = line.split()
-        if len(words) >= 3 and words[1] == "=>" and words[0] not in ours:
-            if words[2] == "not":
-                raise SystemExit(f"make_wheel: {file} needs {words[0]}, which is not there")
-            if not EVERYWHERE.fullmatch(words[0]):
-                found[words[0]] = Path(words[2]).resolve()
+def processor_of(file: Path) -> str:
+    """The processor of a program or library, as Linux calls it: x86_64, aarch64."""
+    return {62: "x86_64", 183: "aarch64"}[int.from_bytes(file.read_bytes()[18:20], "little")]
+
+
+def needed(files: list[Path], root: Path) -> dict[str, Path]:
+    """Libraries that files need, directly or not, by name, without the files and those of every Linux."""
+    found: dict[str, Path] = {}
+    folders = [root / lib / f"{processor_of(files[0])}-linux-gnu" for lib in ("usr/lib", "lib")]
+    names = {file.name for file in files}
+    left = list(files)
+    while left:
+        file = left.pop()
+        for name in re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "--dynamic", "--wide", file)):
+            if name in names or EVERYWHERE.fullmatch(name):
+                continue
+            path = next((folder / name for folder in folders if (folder / name).exists()), None)
+            if path is None:
+                raise SystemExit(f"make_wheel: {file} needs {name}, which is not in {folders[0]}")
+            names.add(name)
+            found[name] = path.resolve()
+            left.append(found[name])
     return found
 
 
-def package_of(library: Path) -> str | None:
-    """The Debian package of a library; files there may be listed below / or below /usr."""
-    for path in (library, Path("/usr") / library.relative_to("/"), Path("/") / str(library).removeprefix("/usr/")):
-        try:
-            return output("dpkg-query", "-S", path).split(":")[0]
-        except subprocess.CalledProcessError:
-            continue
-    return None
+def package_of(library: str) -> str:
+    """The Debian package of a library, by its name; this machine has those of its own processor."""
+    try:
+        return output("dpkg-query", "-S", f"*/{library}").split(":")[0]
+    except subprocess.CalledProcessError:
+        raise SystemExit(f"make_wheel: {library} is in no Debian package, so its licence is not known") from None
 
 
 def patch(file: Path, names: dict[str, str], run_path: str) -> None:
@@ -69,7 +81,7 @@ def patch(file: Path, names: dict[str, str], run_path: str) -> None:
 
 def glibc_of(files: list[Path]) -> int:
     """The y of the newest GLIBC_2.y that a file asks for."""
-    versions = {int(v) for file in files for v in re.findall(r"GLIBC_2\.(\d+)", output("objdump", "-T", file))}
+    versions = {int(v) for file in files for v in re.findall(r"GLIBC_2\.(\d+)", output("readelf", "--version-info", file))}
     return max(versions)
 
 
@@ -93,12 +105,9 @@ def add_package(prefix: Path, tree: Path) -> list[Path]:
     return files
 
 
-def add_libraries(files: list[Path], tree: Path) -> tuple[list[Path], set[str]]:
+def add_libraries(files: list[Path], tree: Path, root: Path) -> tuple[list[Path], set[str]]:
     """Copies what the files need, and sets their run paths. Returns the copies and the names of their Debian packages."""
-    libraries: dict[str, Path] = {}
-    ours = {file.name for file in files}
-    for file in files:
-        libraries.update(needed(file, ours))
+    libraries = needed(files, root)
     folder = tree / "haptolith.libs"
     folder.mkdir()
     names, copies, packages = {}, [], set()
@@ -109,13 +118,10 @@ def add_libraries(files: list[Path], tree: Path) -> tuple[list[Path], set[str]]:
         copy = folder / names[name]
         shutil.copy(path, copy)
         copies.append(copy)
-        package = package_of(path)
-        if package is None:
-            raise SystemExit(f"make_wheel: {path} is in no Debian package, so its licence is not known")
-        packages.add(package)
+        packages.add(package_of(path.name))
     for file in files + copies:
         file.chmod(0o755)
-        output("strip", "--strip-unneeded", file)
+        output(f"{processor_of(file).replace('_', '-')}-linux-gnu-strip", "--strip-unneeded", file)
     for copy in copies:
         output("patchelf", "--set-soname", copy.name, copy)
         patch(copy, names, "$ORIGIN")
@@ -174,20 +180,24 @@ def pack(tree: Path, info: Path, target: Path) -> None:
 
 
 def main() -> None:
-    if len(sys.argv) not in (4, 5):
-        raise SystemExit("usage: make_wheel.py PREFIX VERSION OUT [HDF5_LICENCE]")
-    prefix, version, out = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
+    parser = argparse.ArgumentParser(description="Make a Python wheel of an installed haptolith")
+    parser.add_argument("prefix", type=Path)
+    parser.add_argument("version")
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--root", type=Path, default=Path("/"))
+    parser.add_argument("--hdf5", type=Path, help="licence of the HDF5 inside, if it is not Debian's library")
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         tree = Path(folder)
-        files = add_package(prefix, tree) + add_program(prefix, tree)
-        copies, packages = add_libraries(files, tree)
-        tag = f"py3-none-manylinux_2_{glibc_of(files + copies)}_{os.uname().machine}"
-        info = tree / f"haptolith-{version}.dist-info"
+        files = add_package(options.prefix, tree) + add_program(options.prefix, tree)
+        copies, packages = add_libraries(files, tree, options.root)
+        tag = f"py3-none-manylinux_2_{glibc_of(files + copies)}_{processor_of(files[0])}"
+        info = tree / f"haptolith-{options.version}.dist-info"
         info.mkdir()
-        add_licences(info, packages, Path(sys.argv[4]) if len(sys.argv) == 5 else None)
-        add_metadata(info, version, tag)
-        out.mkdir(parents=True, exist_ok=True)
-        target = out / f"haptolith-{version}-{tag}.whl"
+        add_licences(info, packages, options.hdf5)
+        add_metadata(info, options.version, tag)
+        options.out.mkdir(parents=True, exist_ok=True)
+        target = options.out / f"haptolith-{options.version}-{tag}.whl"
         pack(tree, info, target)
     print(target)
 

@@ -1,19 +1,38 @@
 #!/usr/bin/env bash
 # Installs the wheel of `./dev wheel` with pip in bare Debian roots, digs, and compares the state's hash with that of the program built
-# here: tests/packages/wheel_root.sh [SUITE...], as root, with Debian's mmdebstrap. Takes some minutes and the network.
+# here: tests/packages/wheel_root.sh [SUITE...|arm64], as root, with Debian's mmdebstrap. Takes some minutes and the network. With
+# arm64, the wheel of `./dev wheel arm64` in QEMU, unpacked instead of installed.
 set -euo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-wheel=$(compgen -G "$source/build/wheels/*.whl" | head -n 1) || { echo "wheel_root.sh: no wheel: ./dev wheel" >&2; exit 2; }
+processor=x86_64
+[[ ${1:-} != arm64 ]] || processor=aarch64
+wheel=$(compgen -G "$source/build/wheels/*_$processor.whl" | head -n 1) || { echo "wheel_root.sh: no wheel: ./dev wheel" >&2; exit 2; }
 program=$source/build/release/apps/haptolith/haptolith
 [[ -x $program ]] || { echo "wheel_root.sh: no program: ./dev build" >&2; exit 2; }
 (($# > 0)) || set -- bookworm trixie
 dig=(run icra2021 --no-realtime --duration-s 2 --json)
 expected=$("$program" "${dig[@]}" | grep state_hash)
 root=$(mktemp -d)
-trap 'umount -q "$root/proc" "$root/dev" || true; rm -rf --one-file-system "$root"' EXIT
+trap 'umount -q "$root/proc" "$root/dev" 2> /dev/null || true; rm -rf --one-file-system "$root"' EXIT
 
 say() { printf 'wheel_root.sh: %s\n' "$*"; }
 within() { chroot "$root" /usr/bin/env -i PATH=/venv/bin:/usr/bin:/bin HOME=/root LC_ALL=C.UTF-8 "$@"; }
+
+if [[ $processor == aarch64 ]]; then
+  mmdebstrap --quiet --variant=extract --architectures=arm64 --include=python3-numpy,libpython3-stdlib,libstdc++6 bookworm "$root/root"
+  python3 -m zipfile -e "$wheel" "$root/wheel"
+  chmod +x "$root/wheel/haptolith/_program/haptolith"
+  libraries=$root/root/usr/lib/aarch64-linux-gnu
+  emulated=(qemu-aarch64-static -L "$root/root" -E "LD_LIBRARY_PATH=$libraries/blas:$libraries/lapack" -E "PYTHONPATH=$root/wheel")
+  dig=(run icra2021 --no-realtime --duration-s 0.1 --json)
+  expected=$("$program" "${dig[@]}" | grep state_hash)
+  found=$("${emulated[@]}" "$root/wheel/haptolith/_program/haptolith" "${dig[@]}" | grep state_hash)
+  [[ $found == "$expected" ]] || { say "arm64: $found instead of $expected"; exit 1; }
+  say "arm64: the program has the same $found"
+  "${emulated[@]}" "$root/root/usr/bin/python3" -c 'import haptolith, platform; scene = haptolith.Scene(); scene.step([0, 0, 0.1])
+print("wheel_root.sh: Python on", platform.machine(), "has stepped a scene")'
+  exit
+fi
 
 for suite in "$@"; do
   rm -rf "$root" && mkdir -p "$root"
