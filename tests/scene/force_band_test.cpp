@@ -74,10 +74,21 @@ TEST(ForceRange, HasNoScaleOfItsOwn) {
   soil.contact_cohesion_n = 1e-3;
   const ForceRange range = *forceRange({2, 3}, soil, 9.81);
   soil.radius_m *= 2;
+  soil.stiffness_n_m *= 2;
   soil.contact_cohesion_n *= 8;
   const ForceRange scaled = *forceRange({16, 3}, soil, 9.81);
   EXPECT_NEAR(scaled.low_n, 8 * range.low_n, 1e-9);
   EXPECT_NEAR(scaled.high_n, 8 * range.high_n, 1e-9);
+}
+
+// Found in four sands whose contacts are eight times as stiff as those of lunar soil.
+TEST(ForceRange, IsFourTimesAsWideInStiffSand) {
+  SoilParameters soil = frictionalSoil();
+  soil.stiffness_n_m = 3000 * soil.radius_m / 7e-3;
+  const ForceRange lunar = *forceRange({100, 400}, soil, 9.81);
+  soil.stiffness_n_m *= 8;
+  const ForceRange stiff = *forceRange({100, 400}, soil, 9.81);
+  EXPECT_NEAR(stiff.high_n - (lunar.low_n + lunar.high_n) / 2, 4 * (lunar.high_n - lunar.low_n) / 2, 1e-9);
 }
 
 TEST(ForceRange, IsNotKnownWithIcra2021Friction) {

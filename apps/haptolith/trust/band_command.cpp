@@ -37,7 +37,7 @@ constexpr Range kFirstScene{0, 1e6};
 
 struct BandOptions {
   int scenes = 50;
-  std::uint64_t first = 300;
+  std::uint64_t first = 450;
   int threads = 0;
   std::string folder;
   bool resume = false, json = false;
@@ -161,7 +161,7 @@ void addBand(CLI::App& lab) {
   command->add_option("--scenes", options->scenes, "Number of random scenes")
       ->check(wholeNumberIn(kScenes))
       ->capture_default_str();
-  command->add_option("--first", options->first, "Number of the first; the band was fitted to scenes 1 to 164")
+  command->add_option("--first", options->first, "Number of the first; the band was fitted to scenes 1 to 349")
       ->check(wholeNumberIn(kFirstScene))
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Threads [one per processor]");

@@ -26,10 +26,11 @@ struct MeanForce {
 /// Range of the mean force of another specimen of the soil with particles half as large, for the same movement over
 /// 0.25 s, with a probability of 90 %. With particleForce() f, N = F / f and the contacts c:
 ///
-///     F (B + S / (1 + N / (P c))) + A f +- sqrt((M^2 + K^2 / (c + 1)) F^2 + (L f)^2).
+///     F (B + S / (1 + N / (P c))) + A f +- g sqrt((M^2 + K^2 / (c + 1)) F^2 + (L f)^2).
 ///
-/// S: coarse particles meet a flat tool later, where each contact carries little. The numbers were fitted to random
-/// beds and movements (docs/reports/trust.md). It does not include the difference between simulated and real soil.
+/// S: coarse particles meet a flat tool later, where each contact carries little. g = (k / (E R))^(2/3), at least 1:
+/// stiff contacts, known for k / R of 0.43 (E) and 3.4 MPa. The numbers were fitted to random beds and movements
+/// (docs/reports/trust.md). It does not include the difference between simulated and real soil.
 /// Empty for soil with ICRA 2021 friction. May be called in the tick.
 [[nodiscard]] std::optional<ForceRange> forceRange(const MeanForce& mean, const SoilParameters& soil,
                                                    double gravity_m_s2) noexcept;
