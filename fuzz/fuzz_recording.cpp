@@ -9,7 +9,7 @@
 #include <string>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 #include "haptolith/recording/recording_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

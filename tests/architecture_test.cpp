@@ -26,7 +26,9 @@ using Folders = std::set<std::string>;
 const std::map<std::string, Folders> kArrows = {
     {"core/math", {}},
     {"core", {"core/math"}},
-    {"core/process", {"core"}},
+    // What systems do differently.
+    {"core/platform", {"core"}},
+    {"core/process", {"core/platform"}},
     {"core/files", {"core/process"}},
     {"figure", {"core/files"}},
     // Shapes that others drew: it knows neither soil nor tools.
@@ -39,7 +41,7 @@ const std::map<std::string, Folders> kArrows = {
     {"scene", {"tool"}},
     // Files of another engine.
     {"lammps", {"scene"}},
-    {"device", {"core"}},
+    {"device", {"core/platform"}},
     {"device/hand", {"device", "core/files"}},
     {"device/drivers", {"device/hand"}},
     {"haptics", {"bed", "device/hand"}},

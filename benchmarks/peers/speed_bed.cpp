@@ -17,7 +17,7 @@
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/start/bed_start.h"
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/soil/presets.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 namespace {

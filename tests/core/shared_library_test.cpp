@@ -1,4 +1,4 @@
-#include "haptolith/core/process/shared_library.h"
+#include "haptolith/core/platform/shared_library.h"
 
 #include <gmock/gmock.h>
 

@@ -18,7 +18,7 @@
 #include <thread>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 
 #include "allocations.h"
 #include "eventually.h"

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 #include "haptolith/device/drivers/device_packet.h"
 
 namespace haptolith {

@@ -21,7 +21,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 
 namespace haptolith {
 namespace {

@@ -19,10 +19,10 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/haptics/loop/loop_thread.h"
-#include "haptolith/haptics/safety/last_resort.h"
+#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/soil/presets.h"

@@ -1,4 +1,4 @@
-#include "haptolith/haptics/safety/last_resort.h"
+#include "haptolith/core/platform/last_resort.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/soil/presets.h"

@@ -15,7 +15,7 @@
 #include <optional>
 #include <thread>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/soil/presets.h"
 

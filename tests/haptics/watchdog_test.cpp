@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 namespace {

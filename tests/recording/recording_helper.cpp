@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/recording/recording_writer.h"
 
 #include "made_up.h"

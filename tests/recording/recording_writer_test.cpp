@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 #include "haptolith/recording/recording_file.h"
 #include "haptolith/recording/recording_reader.h"
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/ros2/scene_publisher.h"
 #include "haptolith/ros2/target_device.h"

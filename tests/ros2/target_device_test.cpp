@@ -5,7 +5,7 @@
 #include <limits>
 #include <thread>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {

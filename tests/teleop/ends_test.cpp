@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 #include "haptolith/teleop/link/packet_seal.h"
 #include "haptolith/teleop/operator/operator_end.h"
 #include "haptolith/teleop/robot/robot_server.h"

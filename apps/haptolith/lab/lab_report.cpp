@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/former_names.h"

@@ -14,7 +14,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_folder.h"
 #include "haptolith/core/pluralise.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/lammps/lammps_dump.h"
 #include "haptolith/recording/picture_meshes.h"
 #include "haptolith/recording/vtu_file.h"

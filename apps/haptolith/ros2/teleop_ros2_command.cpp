@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/haptics/loop/loop_clock.h"
 #include "haptolith/ros2/ros2_arm.h"
 #include "haptolith/teleop/robot/robot_server.h"

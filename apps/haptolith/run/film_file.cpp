@@ -1,13 +1,12 @@
 #include "run/film_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <vector>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 
@@ -56,7 +55,7 @@ FilmFile::FilmFile(const OutputFile& file, double pictures_per_s)
       file_(fileFor(file)),
       words_(temporaryFile()),
       ffmpeg_(commandFor(file.path, file_.temporaryPath().string(), pictures_per_s),
-              {{pictures_.to_read, STDIN_FILENO}, {words_, STDOUT_FILENO}, {words_, STDERR_FILENO}}) {
+              {{pictures_.to_read, kStandardInput}, {words_, kStandardOutput}, {words_, kStandardError}}) {
   pictures_.to_read.close();
 }
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 
 namespace haptolith {
 

@@ -8,7 +8,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/process/in_parallel.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 #include "shared/output.h"
 

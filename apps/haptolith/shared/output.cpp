@@ -18,10 +18,10 @@
 #include <thread>
 #include <utility>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 
 namespace haptolith {
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/pluralise.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 #include "shared/output.h"
 

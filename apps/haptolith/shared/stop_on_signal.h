@@ -1,6 +1,6 @@
 #pragma once
 
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 

@@ -20,7 +20,7 @@
 #include "haptolith/core/former_names.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/core/process/in_parallel.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/identify/training/training_file.h"
 #include "haptolith/scene_file/site_task.h"
 #include "haptolith/teleop/bench/simulation.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/teleop/link/udp_relay.h"
 
 #include "commands.h"

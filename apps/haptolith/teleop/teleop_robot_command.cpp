@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/clock.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/platform/clock.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/haptics/loop/loop_clock.h"
 #include "haptolith/scene_file/scene_file.h"
 #include "haptolith/teleop/robot/site_robot.h"

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "haptolith/bed/kernel/simd_target.h"
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/pluralise.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/lab/archive/report_folder.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/trust/trust_schedule.h"

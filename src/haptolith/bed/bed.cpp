@@ -10,7 +10,7 @@
 #include "haptolith/bed/start/bed_start.h"
 #include "haptolith/bed/start/spatial_order.h"
 #include "haptolith/core/assert.h"
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {

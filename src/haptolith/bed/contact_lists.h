@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "haptolith/core/process/cache_aligned.h"
+#include "haptolith/core/platform/cache_aligned.h"
 
 namespace haptolith {
 

@@ -13,7 +13,7 @@
 #include "haptolith/c_api/errors.h"
 #include "haptolith/c_api/handles.h"
 #include "haptolith/c_api/scene_object.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 
 namespace haptolith::library {
 

@@ -27,7 +27,7 @@
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/haptics/loop/loop_thread.h"
-#include "haptolith/haptics/safety/last_resort.h"
+#include "haptolith/core/platform/last_resort.h"
 
 namespace haptolith::library {
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/platform/force_source.h"
 #include "haptolith/core/vec.h"
 
 namespace haptolith {
@@ -25,13 +26,6 @@ struct DeviceInput {
   double gripper_open = 0;    ///< 0 closed to 1 wide open
   std::uint32_t buttons = 0;  ///< bit n: button n is down
   DeviceState state = DeviceState::kLive;
-};
-
-/// Progress of a releaseForce().
-enum class ForceRelease : std::uint8_t {
-  kDone,
-  kUnderWay,  ///< another thread is inside the device's library and sends zero when it comes out
-  kStuck,     ///< the thread that asks is itself inside the device's library
 };
 
 /// Output sent to a device, device frame.
@@ -68,7 +62,7 @@ struct DeviceLimits {
 
 /// Something that moves the tool and feels the wrench on it. read() and write() are called once a tick, in that order,
 /// from the loop's thread; neither may allocate, lock, throw or wait.
-class HapticDevice {
+class HapticDevice : public ForceSource {
  public:
   virtual ~HapticDevice() = default;
 
@@ -83,17 +77,6 @@ class HapticDevice {
 
   /// Makes the hand feel something. What fails shows in the state of the next read().
   virtual void write(const DeviceOutput& output) noexcept = 0;
-
-  /// Sets zero force immediately and permanently, whatever write() gets: the last resort of another thread or of a
-  /// signal handler when the loop hangs. May be called from anywhere, also twice.
-  virtual void releaseForce() noexcept = 0;
-
-  /// Whether the last releaseForce() has reached the device. May be called from anywhere.
-  [[nodiscard]] virtual ForceRelease forceRelease() const noexcept { return ForceRelease::kDone; }
-
-  /// As releaseForce(), even if a call is inside the device's library that may hold a lock of it: it may never return.
-  /// For a program that dies.
-  virtual void releaseForceRegardless() noexcept { releaseForce(); }
 
   /// Takes a releaseForce() back. From the loop's thread.
   virtual void resumeForce() noexcept = 0;

@@ -1,7 +1,6 @@
 #include "haptolith/figure/figure.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -11,7 +10,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 
 // gnuplot reads its commands from an unnamed temporary file and writes picture and complaints to two others, so that it
 // never receives the name of a file: "|command" would be one. A pipe would be shorter, but when gnuplot stops at an
@@ -38,7 +37,7 @@ GnuplotAnswer runGnuplot(const std::string& script) {
   if (script.empty()) {
     command.arguments.emplace_back("--version");
   }
-  ChildProcess gnuplot(command, {{input, STDIN_FILENO}, {picture, STDOUT_FILENO}, {words, STDERR_FILENO}});
+  ChildProcess gnuplot(command, {{input, kStandardInput}, {picture, kStandardOutput}, {words, kStandardError}});
   const bool succeeded = gnuplot.wait();
   return {succeeded, contentOf(picture), contentOf(words)};
 }

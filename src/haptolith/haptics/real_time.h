@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "haptolith/core/platform/threads.h"
 #include "haptolith/core/process/worker_team.h"
 #include "haptolith/haptics/loop_parameters.h"
 
@@ -19,7 +20,7 @@ inline constexpr std::string_view kMemoryRemedy =
 
 /// Privileges that the system granted to the calling thread.
 struct RealTime {
-  std::string scheduler = "SCHED_OTHER";  ///< "SCHED_FIFO" when granted
+  std::string scheduler{schedulerName(false)};  ///< on Linux "SCHED_FIFO" when granted
   bool memory_locked = false;
   int cpu = kAnyCpu;     ///< the only one that it runs on
   std::string advice{};  ///< empty when all was granted; else one line with the missing privilege and its remedy

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sched.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -18,6 +16,8 @@
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/platform/files.h"
+#include "haptolith/core/platform/threads.h"
 #include "haptolith/core/pluralise.h"
 
 namespace haptolith {
@@ -46,14 +46,11 @@ std::string processor() {
 
 /// The CPUs that this process runs on.
 std::vector<int> usableCores() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
+  const CpuSet set = cpusOfThisThread();
   std::vector<int> cores;
-  if (sched_getaffinity(0, sizeof set, &set) == 0) {
-    for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-      if (CPU_ISSET(cpu, &set)) {
-        cores.push_back(cpu);
-      }
+  for (std::size_t cpu = 0; cpu < set.size(); ++cpu) {
+    if (set[cpu]) {
+      cores.push_back(static_cast<int>(cpu));
     }
   }
   return cores;
@@ -114,9 +111,9 @@ void keep(const fs::path& file, const std::string& text) {
   if (descriptor < 0) {
     return;
   }
-  const bool whole = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  const bool closed = ::close(descriptor) == 0;
-  if (!whole || !closed || std::rename(part.c_str(), file.c_str()) != 0) {
+  const bool whole = writeBytes(descriptor, text);
+  const bool closed = closeFile(descriptor);
+  if (!whole || !closed || !renameFile(part, file, true)) {
     fs::remove(part, error);
   }
 }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <thread>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 
 namespace haptolith {
 

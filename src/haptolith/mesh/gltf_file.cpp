@@ -19,7 +19,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/input_file.h"
 #include "haptolith/core/files/json_reader.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/mesh/gltf_accessor.h"
 #include "haptolith/mesh/mesh_file.h"
 #include "haptolith/mesh/mesh_formats.h"

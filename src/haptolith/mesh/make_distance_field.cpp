@@ -10,7 +10,7 @@
 
 #include "haptolith/core/math/portable_math.h"
 #include "haptolith/core/process/in_parallel.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/mesh/distance_field.h"
 #include "haptolith/mesh/outer_surface.h"
 #include "haptolith/mesh/triangle_tree.h"

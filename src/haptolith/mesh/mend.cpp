@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "haptolith/core/pluralise.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/mesh/mesh_edges.h"
 #include "haptolith/mesh/surface_orientation.h"
 

@@ -12,7 +12,7 @@
 
 #include "haptolith/core/files/input_file.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/mesh/mesh_formats.h"
 
 namespace haptolith {

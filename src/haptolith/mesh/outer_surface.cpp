@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "haptolith/core/process/in_parallel.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 

@@ -9,7 +9,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/mesh/mesh_file.h"
 #include "haptolith/mesh/mesh_formats.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/mesh/mesh_edges.h"
 #include "haptolith/mesh/triangle_tree.h"
 

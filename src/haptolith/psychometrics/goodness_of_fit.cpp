@@ -14,7 +14,7 @@
 #include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/math/random.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/psychometrics/likelihood.h"
 #include "haptolith/psychometrics/optimum.h"
 #include "haptolith/psychometrics/posterior.h"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 

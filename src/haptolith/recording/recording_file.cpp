@@ -13,7 +13,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/pluralise.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 
 namespace haptolith::hdf5 {
 

@@ -12,7 +12,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/pluralise.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 #include "haptolith/recording/recording_file.h"
 
 namespace haptolith {

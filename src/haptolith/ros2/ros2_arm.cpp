@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/ros2/dds_endpoint.h"
 
 namespace haptolith {

@@ -12,9 +12,9 @@
 #include <thread>
 #include <utility>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/process/async.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 #include "haptolith/ros2/dds_endpoint.h"
 
 namespace haptolith {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 
 namespace haptolith {
 

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 
 namespace haptolith {
 

@@ -13,7 +13,7 @@
 
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 
 // Chromium is steered through two pipes with JSON messages that end in a zero byte (--remote-debugging-pipe; the
 // commands are those of https://chromedevtools.github.io/devtools-protocol). A port would be open to every user
@@ -126,9 +126,9 @@ class HeadlessBrowser::Implementation {
   explicit Implementation(const Options& options)
       : options_(options),
         words_(temporaryFile()),
-        process_(commandFor(options, folder_.path()), {{temporaryFile(), STDIN_FILENO},
-                                                       {words_, STDOUT_FILENO},
-                                                       {words_, STDERR_FILENO},
+        process_(commandFor(options, folder_.path()), {{temporaryFile(), kStandardInput},
+                                                       {words_, kStandardOutput},
+                                                       {words_, kStandardError},
                                                        {to_.to_read, kItReads},
                                                        {from_.to_write, kItWrites}}) {
     to_.to_read.close();

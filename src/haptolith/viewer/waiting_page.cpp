@@ -13,7 +13,7 @@
 #include <cmath>
 #include <utility>
 
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 
 namespace haptolith {
 

@@ -24,7 +24,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 #include "haptolith/viewer/access.h"
 #include "haptolith/viewer/web_visitor.h"
 

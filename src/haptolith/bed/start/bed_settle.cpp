@@ -18,7 +18,7 @@
 #include "haptolith/bed/start/stone_start.h"
 #include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 

@@ -10,7 +10,7 @@
 #include "haptolith/bed/start/bed_start.h"
 #include "haptolith/bed/start/spatial_order.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/soil/layers.h"
 
 namespace haptolith {

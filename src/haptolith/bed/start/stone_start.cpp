@@ -15,7 +15,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/math/portable_math.h"
 #include "haptolith/core/math/random.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/core/turn.h"
 
 namespace haptolith {

@@ -1,8 +1,6 @@
 #include "haptolith/bed/start/tile_cache.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -21,6 +19,7 @@
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/files/input_file.h"
 #include "haptolith/core/files/user_folder.h"
+#include "haptolith/core/platform/files.h"
 
 namespace haptolith {
 
@@ -217,21 +216,10 @@ void writeTile(const fs::path& file, const std::string& bytes) {
   if (descriptor < 0) {
     return fail("keep");
   }
-  std::size_t written = 0;
-  while (written < bytes.size()) {
-    const ssize_t more = ::write(descriptor, bytes.data() + written, bytes.size() - written);
-    if (more < 0 && errno == EINTR) {
-      continue;
-    }
-    if (more <= 0) {
-      break;
-    }
-    written += static_cast<std::size_t>(more);
-  }
-  const bool whole = written == bytes.size() && fsync(descriptor) == 0;
+  const bool whole = writeBytes(descriptor, bytes) && flushToDisk(descriptor);
   const int why = errno;
-  const bool closed = close(descriptor) == 0;
-  if (!whole || !closed || std::rename(part.c_str(), file.c_str()) != 0) {
+  const bool closed = closeFile(descriptor);
+  if (!whole || !closed || !renameFile(part, file, true)) {
     errno = whole ? errno : why;
     fail("write");
     fs::remove(part, error);

@@ -1,9 +1,6 @@
 #include "haptolith/core/files/atomic_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/random.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -13,12 +10,14 @@
 #include <fstream>
 #include <iterator>
 #include <mutex>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/input_file.h"
+#include "haptolith/core/platform/files.h"
 
 namespace haptolith {
 
@@ -42,20 +41,10 @@ Outputs& outputs() {
 
 /// giveName(); false, with errno, when it did not.
 bool tryName(const fs::path& made, const fs::path& name, IfThere if_there) {
-  int result =
-      renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), if_there == IfThere::kRefuse ? RENAME_NOREPLACE : 0U);
-  if (result != 0 && errno == EINVAL && access(name.c_str(), F_OK) != 0) {  // a file system without NOREPLACE
-    result = std::rename(made.c_str(), name.c_str());
-  }
-  if (result != 0) {
+  if (!renameFile(made, name, if_there == IfThere::kReplace)) {
     return false;
   }
   rememberOutput(name);
-  const fs::path folder = name.parent_path().empty() ? fs::path(".") : name.parent_path();
-  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
-    fsync(descriptor);
-    close(descriptor);
-  }
   return true;
 }
 
@@ -101,7 +90,7 @@ void requireFree(const OutputFile& file) {
 
 fs::path temporaryBeside(const fs::path& path, std::string_view what, std::size_t longest_bytes) {
   std::uint64_t random = 0;
-  if (getrandom(&random, sizeof(random), 0) != sizeof(random)) {
+  if (!fillWithRandom(std::as_writable_bytes(std::span(&random, 1)))) {
     failAt("find a free name next to", path);
   }
   // The extension stays last, so that a program that chooses the format by it can write here. A long name loses its end
@@ -118,8 +107,7 @@ fs::path temporaryBeside(const fs::path& path, std::string_view what, std::size_
 }
 
 int makeNewFile(const fs::path& path, Readers readers) {
-  const mode_t mode = readers == Readers::kOwner ? 0600 : 0666;  // less the umask
-  return open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+  return createNewFile(path, readers == Readers::kOwner);
 }
 
 void rememberOutput(const fs::path& path) {
@@ -151,8 +139,7 @@ AtomicFile::AtomicFile(OutputFile file) : target_(std::move(file)) {
     target_.path = fs::canonical(target_.path);
   }
   temporary_ = temporaryBeside(target_.path, "part");
-  const int descriptor = makeNewFile(temporary_, target_.readers);
-  file_ = descriptor < 0 ? nullptr : fdopen(descriptor, "wb");
+  file_ = streamOf(makeNewFile(temporary_, target_.readers));
   if (file_ == nullptr) {
     fail("create");
   }
@@ -173,7 +160,7 @@ void AtomicFile::write(std::string_view text) {
 }
 
 void AtomicFile::commit() {
-  if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) {
+  if (!flushToDisk(file_)) {
     fail("write");
   }
   if (std::fclose(std::exchange(file_, nullptr)) != 0) {

@@ -1,7 +1,6 @@
 #include "haptolith/core/files/atomic_folder.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +11,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/platform/files.h"
 
 namespace haptolith {
 
@@ -41,7 +41,7 @@ AtomicFolder::AtomicFolder(const fs::path& path, IfThere if_there, Readers reade
   if (fs::exists(fs::symlink_status(path_)) && (if_there == IfThere::kRefuse || !fs::is_directory(path_))) {
     throw Failure(fmt::format("{} already exists: choose another name", path_.string()));
   }
-  if (mkdir(making_.c_str(), readers == Readers::kOwner ? 0700 : 0777) != 0) {
+  if (!createFolder(making_, readers == Readers::kOwner)) {
     throw Failure(fmt::format("cannot create {}: {}", path_.string(), std::strerror(errno)));
   }
 }
@@ -55,8 +55,7 @@ void AtomicFolder::write(const fs::path& name, std::string_view bytes) const {
   requireInside(name);
   std::error_code error;
   fs::create_directories((making_ / name).parent_path(), error);
-  const int descriptor = makeNewFile(making_ / name, readers_);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(descriptor < 0 ? nullptr : fdopen(descriptor, "wb"),
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(streamOf(makeNewFile(making_ / name, readers_)),
                                                              std::fclose);
   if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() || std::fflush(file.get()) != 0) {
     throw Failure(fmt::format("cannot write {}: {}", (path_ / name).string(), std::strerror(errno)));

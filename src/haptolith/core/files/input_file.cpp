@@ -1,7 +1,6 @@
 #include "haptolith/core/files/input_file.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <cerrno>
 #include <cstring>
@@ -9,12 +8,12 @@
 #include <optional>
 #include <set>
 #include <system_error>
-#include <utility>
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/moved_file.h"
 #include "haptolith/core/plain_text.h"
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/platform/files.h"
+#include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
 
@@ -37,17 +36,9 @@ std::string_view kindOf(const fs::file_status& status) {
   }
 }
 
-/// Device and inode: a file, whatever its name.
-using Identity = std::pair<dev_t, ino_t>;
-
-std::optional<Identity> identityOf(const fs::path& path) {
-  struct stat status {};
-  return stat(path.c_str(), &status) == 0 ? std::optional(Identity{status.st_dev, status.st_ino}) : std::nullopt;
-}
-
 struct Inputs {
   std::mutex mutex;
-  std::set<Identity> files;
+  std::set<FileIdentity> files;
 };
 
 Inputs& inputs() {
@@ -80,14 +71,14 @@ std::ifstream openInput(const fs::path& path, std::uintmax_t most_bytes) {
 }
 
 void rememberInput(const fs::path& path) {
-  if (const std::optional<Identity> identity = identityOf(path)) {
+  if (const std::optional<FileIdentity> identity = identityOf(path)) {
     const std::scoped_lock lock(inputs().mutex);
     inputs().files.insert(*identity);
   }
 }
 
 bool isInput(const fs::path& path) {
-  const std::optional<Identity> identity = identityOf(path);
+  const std::optional<FileIdentity> identity = identityOf(path);
   const std::scoped_lock lock(inputs().mutex);
   return identity && inputs().files.contains(*identity);
 }

@@ -1,12 +1,10 @@
 #include "haptolith/core/process/worker_team.h"
 
-#include <pthread.h>
-#include <sched.h>
-
 #include <algorithm>
 
 #include "haptolith/core/assert.h"
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
+#include "haptolith/core/platform/threads.h"
 
 namespace haptolith {
 
@@ -21,12 +19,6 @@ constexpr int kLooksBetweenClocks = 64;
 /// whose core is taken away again and again, as on a machine that others share, where loops in company once took fifty
 /// times as long as alone; and a single mishap of 1 ms costs no more than four ticks of help.
 constexpr std::int64_t kAloneForEachLost = 4;
-
-inline void relax() noexcept {
-#if defined(__x86_64__)
-  __builtin_ia32_pause();
-#endif
-}
 
 /// Waits until `value` is no longer `old`, looking until `at_least_ns` at any rate.
 template <class T>
@@ -45,15 +37,13 @@ void waitWhile(const std::atomic<T>& value, T old, std::int64_t at_least_ns) noe
 }
 
 /// Schedules the calling thread so, as far as the system lets it. @param usual  the CPUs that it ran on when it began.
-void scheduleThisThread(const HelperSchedule& schedule, const cpu_set_t& usual) noexcept {
-  sched_param parameters{};
-  parameters.sched_priority = schedule.priority;
-  (void)pthread_setschedparam(pthread_self(), schedule.priority > 0 ? SCHED_FIFO : SCHED_OTHER, &parameters);
-  cpu_set_t cpus = usual;
-  if (schedule.avoided_cpu >= 0 && CPU_COUNT(&cpus) > 1) {
-    CPU_CLR(static_cast<std::size_t>(schedule.avoided_cpu), &cpus);
+void scheduleThisThread(const HelperSchedule& schedule, const CpuSet& usual) noexcept {
+  (void)setPriorityOfThisThread(schedule.priority);
+  CpuSet cpus = usual;
+  if (schedule.avoided_cpu >= 0 && cpus.count() > 1) {
+    cpus.reset(static_cast<std::size_t>(schedule.avoided_cpu));
   }
-  (void)pthread_setaffinity_np(pthread_self(), sizeof cpus, &cpus);
+  (void)runThisThreadOn(cpus);
 }
 
 constexpr int kRoundShift = 32;
@@ -150,9 +140,7 @@ void WorkerTeam::workOn(std::uint32_t round, std::size_t own) noexcept {
 void WorkerTeam::serve(std::size_t own) noexcept {
   std::uint32_t seen = 0;
   HelperSchedule schedule;
-  cpu_set_t usual;
-  CPU_ZERO(&usual);
-  (void)pthread_getaffinity_np(pthread_self(), sizeof usual, &usual);
+  const CpuSet usual = cpusOfThisThread();
   for (;;) {
     waitWhile(round_, seen, expected_until_ns_.load(std::memory_order_relaxed));
     seen = round_.load(std::memory_order_acquire);

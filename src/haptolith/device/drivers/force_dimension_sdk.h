@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "haptolith/core/process/shared_library.h"
+#include "haptolith/core/platform/shared_library.h"
 
 namespace haptolith {
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/device/drivers/sdl.h"
 

@@ -14,7 +14,7 @@
 #include <ctime>
 #include <optional>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 
 namespace haptolith {

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 #include "haptolith/device/device_parameters.h"
 #include "haptolith/device/drivers/device_packet.h"
 #include "haptolith/device/drivers/packet_key.h"

@@ -2,7 +2,7 @@
 
 #include <spnav.h>
 
-#include "haptolith/core/process/shared_library.h"
+#include "haptolith/core/platform/shared_library.h"
 
 namespace haptolith {
 

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 
 namespace haptolith {
 

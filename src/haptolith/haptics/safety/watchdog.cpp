@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "haptolith/core/clock.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/clock.h"
+#include "haptolith/core/platform/start_thread.h"
 #include "haptolith/haptics/real_time.h"
 
 namespace haptolith {

@@ -1,12 +1,8 @@
 #include "haptolith/lab/archive/report_folder.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/file.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <system_error>
 #include <utility>
@@ -125,11 +121,8 @@ void ReportFolder::save(const std::string& name, const Json& result) const {
 }
 
 void ReportFolder::lock() {
-  locked_ = Descriptor(open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (locked_.number() < 0) {
-    throw Failure(fmt::format("cannot open {}: {}", path_.string(), std::strerror(errno)));
-  }
-  if (flock(locked_.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+  locked_ = FolderLock(path_);
+  if (!locked_.held()) {
     throw Failure(
         fmt::format("another process writes the report in {}: wait until it ends, or choose another name with --out",
                     path_.string()));

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/folder_lock.h"
 
 namespace haptolith {
 
@@ -44,7 +44,7 @@ class ReportFolder {
 
   std::filesystem::path path_;
   std::vector<std::string> pages_;
-  Descriptor locked_;
+  FolderLock locked_;
 };
 
 }  // namespace haptolith

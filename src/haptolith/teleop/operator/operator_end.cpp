@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 
 namespace haptolith {
 

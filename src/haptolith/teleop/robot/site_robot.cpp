@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "haptolith/bed/measure/surface_height.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/start_thread.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/loop_clock.h"
 

@@ -1,4 +1,4 @@
-#include "haptolith/core/clock.h"
+#include "haptolith/core/platform/clock.h"
 
 #include <cerrno>
 #include <ctime>

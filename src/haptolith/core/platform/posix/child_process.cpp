@@ -1,4 +1,4 @@
-#include "haptolith/core/process/child_process.h"
+#include "haptolith/core/platform/child_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -19,7 +19,6 @@
 #include <thread>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/stop_asked.h"
 
 namespace haptolith {
 
@@ -54,12 +53,6 @@ void waitFor(const Descriptor& descriptor, short event, const Deadline& deadline
 }
 
 }  // namespace
-
-void Descriptor::close() noexcept {
-  if (number_ >= 0) {
-    ::close(std::exchange(number_, -1));
-  }
-}
 
 Pipe::Pipe() {
   std::array<int, 2> ends{};
@@ -199,15 +192,15 @@ ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& giv
   start.environment.push_back(nullptr);
   Pipe failed;
   start.error_to = failed.to_write.number();
-  process_ = fork();
-  if (process_ == 0) {
+  const pid_t process = fork();
+  if (process == 0) {
     become(start);
   }
-  int error = process_ < 0 ? errno : 0;
+  int error = process < 0 ? errno : 0;
   failed.to_write.close();
   // Says nothing when the program has begun, for then the other end is closed.
-  if (process_ > 0 && TEMP_FAILURE_RETRY(::read(failed.to_read.number(), &error, sizeof(error))) > 0) {
-    waitpid(process_, nullptr, 0);
+  if (process > 0 && TEMP_FAILURE_RETRY(::read(failed.to_read.number(), &error, sizeof(error))) > 0) {
+    waitpid(process, nullptr, 0);
   }
   if (error == ENOENT) {
     throw Failure(fmt::format("{} is not installed: apt install {}", command.arguments[0], command.package));
@@ -215,46 +208,33 @@ ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& giv
   if (error != 0) {
     throw Failure(fmt::format("cannot start {}: {}", command.arguments[0], std::strerror(error)));
   }
+  process_ = process;
   name_ = command.arguments[0];
 }
 
 ChildProcess::~ChildProcess() {
-  ::kill(-process_, SIGKILL);
-  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+  const auto process = static_cast<pid_t>(process_);
+  ::kill(-process, SIGKILL);
+  while (waitpid(process, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
 
-bool ChildProcess::wait(std::chrono::milliseconds timeout) {
-  constexpr std::chrono::milliseconds kAfterStop = 30s;
-  const bool stopped_before = stopAsked();
-  const auto until = std::chrono::steady_clock::now() + (stopped_before ? std::min(timeout, kAfterStop) : timeout);
-  while (!endsWithin(100ms)) {
-    if (stopAsked() && !stopped_before) {
-      throw Failure("interrupted");
-    }
-    if (std::chrono::steady_clock::now() > until) {
-      throw Failure(fmt::format("{} did not end in time and was stopped", name_));
-    }
-  }
-  return succeeded_;
-}
-
+// Keeps its number reserved (WNOWAIT): until the destructor no other process group can have that number, and processes
+// that the program left running can still be killed by it.
 bool ChildProcess::endsWithin(std::chrono::milliseconds timeout) {
   const auto until = std::chrono::steady_clock::now() + timeout;
-  for (look(WNOHANG); running_ && std::chrono::steady_clock::now() < until; look(WNOHANG)) {
-    std::this_thread::sleep_for(10ms);
+  while (running_) {
+    siginfo_t ended{};
+    if (waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOWAIT | WNOHANG) == 0 && ended.si_pid != 0) {
+      running_ = false;
+      succeeded_ = ended.si_code == CLD_EXITED && ended.si_status == 0;
+    } else if (std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(10ms);
+    } else {
+      break;
+    }
   }
   return !running_;
-}
-
-/// Checks whether it has ended and keeps its number reserved (WNOWAIT): until the destructor no other process group can
-/// have that number, and processes that the program left running can still be killed by it.
-void ChildProcess::look(int options) {
-  siginfo_t ended{};
-  if (waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOWAIT | options) == 0 && ended.si_pid != 0) {
-    running_ = false;
-    succeeded_ = ended.si_code == CLD_EXITED && ended.si_status == 0;
-  }
 }
 
 }  // namespace haptolith

@@ -2,8 +2,8 @@
 
 #include <thread>
 
-#include "haptolith/core/process/signal_stack.h"
-#include "haptolith/device/haptic_device.h"
+#include "haptolith/core/platform/force_source.h"
+#include "haptolith/core/platform/signal_stack.h"
 
 namespace haptolith {
 
@@ -23,7 +23,7 @@ namespace haptolith {
 class LastResort {
  public:
   /// @throws Failure when there is no thread for the helper.
-  explicit LastResort(HapticDevice& device);
+  explicit LastResort(ForceSource& device);
   ~LastResort();
   LastResort(const LastResort&) = delete;
   LastResort& operator=(const LastResort&) = delete;
@@ -34,7 +34,7 @@ class LastResort {
 
  private:
   SignalStack stack_;
-  HapticDevice* before_;
+  ForceSource* before_;
   std::thread helper_;
 };
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/signal_stack.h"
+#include "haptolith/core/platform/signal_stack.h"
 
 namespace haptolith {
 

@@ -1,34 +1,15 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "haptolith/core/platform/descriptor.h"
+
 namespace haptolith {
-
-/// A file descriptor that is closed with the object, and that no child inherits by accident.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int number) noexcept : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-
-  [[nodiscard]] int number() const noexcept { return number_; }
-  void close() noexcept;
-
- private:
-  int number_ = -1;
-};
 
 /// Both ends of a pipe. @throws Failure when the system has none left.
 struct Pipe {
@@ -55,6 +36,9 @@ struct Deadline {
 
 /// All that is in a file, from its beginning.
 [[nodiscard]] std::string contentOf(const Descriptor& file);
+
+/// Numbers under which a program finds what it reads, writes and complains to.
+inline constexpr int kStandardInput = 0, kStandardOutput = 1, kStandardError = 2;
 
 /// Another program that works for us. It is killed with this object, and with it all that it has started; it is killed
 /// as well when the thread that started it ends, so also when this whole program is killed; and none of them takes more
@@ -91,10 +75,9 @@ class ChildProcess {
   bool endsWithin(std::chrono::milliseconds timeout);
 
  private:
-  void look(int options);
-
   std::string name_;
-  pid_t process_ = 0;
+  std::intptr_t process_ = 0;  ///< number of the process, on Windows a handle of it
+  std::intptr_t group_ = 0;    ///< on Windows, a handle of the job that it and its children belong to
   bool running_ = true, succeeded_ = false;
 };
 

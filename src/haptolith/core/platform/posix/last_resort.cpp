@@ -1,4 +1,4 @@
-#include "haptolith/haptics/safety/last_resort.h"
+#include "haptolith/core/platform/last_resort.h"
 
 #include <pthread.h>
 #include <semaphore.h>
@@ -11,8 +11,8 @@
 #include <csignal>
 #include <ctime>
 
-#include "haptolith/core/clock.h"
-#include "haptolith/core/process/start_thread.h"
+#include "haptolith/core/platform/clock.h"
+#include "haptolith/core/platform/start_thread.h"
 
 namespace haptolith {
 
@@ -37,15 +37,15 @@ constexpr bool isOneOf(int signal, const std::array<int, kCount>& signals) noexc
 }
 
 // All that a handler of signals touches may be touched in one: lock-free atomics, and what POSIX names.
-static_assert(std::atomic<HapticDevice*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
-std::atomic<HapticDevice*> hand_at{nullptr};
+static_assert(std::atomic<ForceSource*>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+std::atomic<ForceSource*> hand_at{nullptr};
 std::atomic<bool> dying{false};               ///< a signal that ends the program has come
 std::atomic<bool> done{false};                ///< and what can be done for the hand has been
 std::atomic<bool> helped{false};              ///< zero has been sent regardless
 std::atomic<bool> has_released_force{false};  ///< see releasedForceMeanwhile()
-std::atomic<int> told{0};                     ///< command to the helper
+std::atomic<int> helpers_command{0};                     ///< command to the helper
 sem_t call;                                   ///< semaphore of the helper
-std::array<struct sigaction, kSignals> usual;
+std::array<struct sigaction, kSignals> usual_actions;
 std::array<bool, kSignals> handled{};
 
 void onSignal(int signal, siginfo_t* info, void* context);
@@ -60,7 +60,7 @@ void handle(int signal) noexcept {
 
 /// Takes the default action of the signal. Returns when a halted program continues.
 void takeEffect(int signal) noexcept {
-  sigaction(signal, &usual[static_cast<std::size_t>(signal)], nullptr);
+  sigaction(signal, &usual_actions[static_cast<std::size_t>(signal)], nullptr);
   sigset_t only;
   sigset_t before;
   sigemptyset(&only);
@@ -85,14 +85,14 @@ bool within(std::int64_t timeout_ns, const Condition& met) noexcept {
 }
 
 /// Waits until the device has been released, or this thread finds that it holds the lock itself.
-ForceRelease waitFor(const HapticDevice& device) noexcept {
+ForceRelease waitFor(const ForceSource& device) noexcept {
   ForceRelease how = ForceRelease::kUnderWay;
   (void)within(kPatience_ns, [&] { return (how = device.forceRelease()) != ForceRelease::kUnderWay; });
   return how;
 }
 
 void callHelper(int what) noexcept {
-  told.store(what);
+  helpers_command.store(what);
   sem_post(&call);
 }
 
@@ -113,7 +113,7 @@ void onSignal(int signal, siginfo_t* info, void* /*context*/) {
     errno = error;
     return;
   }
-  HapticDevice* const device = hand_at.load();
+  ForceSource* const device = hand_at.load();
   if (device != nullptr) {
     device->releaseForce();
     const ForceRelease how = waitFor(*device);
@@ -137,11 +137,11 @@ void help() noexcept {
   while (true) {
     while (sem_wait(&call) != 0) {
     }
-    const int what = told.load();
+    const int what = helpers_command.load();
     if (what == kFinish) {
       return;
     }
-    HapticDevice* const device = hand_at.load();
+    ForceSource* const device = hand_at.load();
     if (device == nullptr) {
       continue;
     }
@@ -161,11 +161,11 @@ void handleAll() noexcept {
   for (int signal = 1; signal < kSignals; ++signal) {
     const auto at = static_cast<std::size_t>(signal);
     handled[at] = false;
-    if (isOneOf(signal, kLeftAlone) || sigaction(signal, nullptr, &usual[at]) != 0) {  // glibc keeps two to itself
+    if (isOneOf(signal, kLeftAlone) || sigaction(signal, nullptr, &usual_actions[at]) != 0) {  // glibc keeps two to itself
       continue;
     }
-    const bool is_default = (usual[at].sa_flags & SA_SIGINFO) == 0 && usual[at].sa_handler == SIG_DFL;
-    const bool is_ignored = (usual[at].sa_flags & SA_SIGINFO) == 0 && usual[at].sa_handler == SIG_IGN;
+    const bool is_default = (usual_actions[at].sa_flags & SA_SIGINFO) == 0 && usual_actions[at].sa_handler == SIG_DFL;
+    const bool is_ignored = (usual_actions[at].sa_flags & SA_SIGINFO) == 0 && usual_actions[at].sa_handler == SIG_IGN;
     if (is_default || (isOneOf(signal, kCrashes) && !is_ignored)) {
       handled[at] = true;
       handle(signal);
@@ -179,7 +179,7 @@ void handleAsUsual() noexcept {
     const auto at = static_cast<std::size_t>(signal);
     struct sigaction now {};
     if (handled[at] && sigaction(signal, nullptr, &now) == 0 && now.sa_sigaction == onSignal) {
-      sigaction(signal, &usual[at], nullptr);
+      sigaction(signal, &usual_actions[at], nullptr);
     }
   }
 }
@@ -203,7 +203,7 @@ std::thread startHelper() {
 
 }  // namespace
 
-LastResort::LastResort(HapticDevice& device) : before_(hand_at.load()) {
+LastResort::LastResort(ForceSource& device) : before_(hand_at.load()) {
   if (before_ == nullptr) {
     dying = done = helped = has_released_force = false;
     helper_ = startHelper();

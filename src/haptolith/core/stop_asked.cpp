@@ -1,4 +1,4 @@
-#include "haptolith/core/process/stop_asked.h"
+#include "haptolith/core/stop_asked.h"
 
 #include "haptolith/core/error.h"
 

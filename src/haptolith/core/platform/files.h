@@ -1,0 +1,54 @@
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace haptolith {
+
+// Operations on files that differ between systems. Those that may fail set errno. Not for the tick.
+
+/// Whether the system has filled `bytes` with numbers that nobody can guess.
+[[nodiscard]] bool fillWithRandom(std::span<std::byte> bytes) noexcept;
+
+/// Descriptor of a new file to write, which no child inherits; -1 on failure. Follows no link, opens no existing file.
+/// @param owner_only  only the owner may read it; on Windows the folder's access list decides
+[[nodiscard]] int createNewFile(const std::filesystem::path& path, bool owner_only) noexcept;
+
+/// The same file for the functions of C, which then owns it; null on failure.
+[[nodiscard]] std::FILE* streamOf(int descriptor) noexcept;
+
+[[nodiscard]] bool createFolder(const std::filesystem::path& path, bool owner_only) noexcept;
+
+/// Writes all of `bytes`, also after interruptions by signals.
+[[nodiscard]] bool writeBytes(int descriptor, std::string_view bytes) noexcept;
+
+/// Waits until the content of the file is on the disk.
+[[nodiscard]] bool flushToDisk(int descriptor) noexcept;
+[[nodiscard]] bool flushToDisk(std::FILE* file) noexcept;
+
+bool closeFile(int descriptor) noexcept;
+
+/// Gives `made` the name `name` in one step; waits until the folder's list is on the disk. An existing file is replaced,
+/// or makes it fail with EEXIST.
+[[nodiscard]] bool renameFile(const std::filesystem::path& made, const std::filesystem::path& name,
+                              bool replaces) noexcept;
+
+/// A file, whatever its name.
+struct FileIdentity {
+  std::uint64_t volume = 0, number = 0;
+
+  [[nodiscard]] auto operator<=>(const FileIdentity&) const = default;
+};
+[[nodiscard]] std::optional<FileIdentity> identityOf(const std::filesystem::path& path) noexcept;
+
+/// Folder of this user below which programs keep what they can make again, or what lasts; empty if there is none.
+[[nodiscard]] std::filesystem::path cacheHome();
+[[nodiscard]] std::filesystem::path stateHome();
+
+}  // namespace haptolith

@@ -1,0 +1,112 @@
+#include "haptolith/core/platform/files.h"
+
+#include <windows.h>
+
+#include <bcrypt.h>
+#include <direct.h>
+#include <fcntl.h>
+#include <io.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+
+namespace haptolith {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Translates the reason of a failure for errno. Returns false.
+bool fail(DWORD error) noexcept {
+  switch (error) {
+    case ERROR_FILE_NOT_FOUND:
+    case ERROR_PATH_NOT_FOUND: errno = ENOENT; break;
+    case ERROR_ACCESS_DENIED:
+    case ERROR_SHARING_VIOLATION: errno = EACCES; break;
+    case ERROR_FILE_EXISTS:
+    case ERROR_ALREADY_EXISTS: errno = EEXIST; break;
+    case ERROR_DISK_FULL: errno = ENOSPC; break;
+    case ERROR_FILENAME_EXCED_RANGE: errno = ENAMETOOLONG; break;
+    default: errno = EIO;
+  }
+  return false;
+}
+
+fs::path folderIn(const wchar_t* variable) {
+  const wchar_t* value = _wgetenv(variable);
+  const fs::path folder = value == nullptr ? L"" : value;
+  return folder.is_absolute() ? folder : fs::path();
+}
+
+}  // namespace
+
+bool fillWithRandom(std::span<std::byte> bytes) noexcept {
+  return BCryptGenRandom(nullptr, reinterpret_cast<PUCHAR>(bytes.data()), static_cast<ULONG>(bytes.size()),
+                         BCRYPT_USE_SYSTEM_PREFERRED_RNG) == 0;
+}
+
+int createNewFile(const fs::path& path, bool /*owner_only*/) noexcept {
+  return _wopen(path.c_str(), _O_WRONLY | _O_CREAT | _O_EXCL | _O_BINARY | _O_NOINHERIT, _S_IREAD | _S_IWRITE);
+}
+
+std::FILE* streamOf(int descriptor) noexcept {
+  return descriptor < 0 ? nullptr : _fdopen(descriptor, "wb");
+}
+
+bool createFolder(const fs::path& path, bool /*owner_only*/) noexcept {
+  return _wmkdir(path.c_str()) == 0;
+}
+
+bool writeBytes(int descriptor, std::string_view bytes) noexcept {
+  constexpr std::size_t kMostAtOnce = 1 << 30;
+  while (!bytes.empty()) {
+    const int written = _write(descriptor, bytes.data(), static_cast<unsigned>(std::min(bytes.size(), kMostAtOnce)));
+    if (written <= 0) {
+      return false;
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+bool flushToDisk(int descriptor) noexcept {
+  return _commit(descriptor) == 0;
+}
+
+bool flushToDisk(std::FILE* file) noexcept {
+  return std::fflush(file) == 0 && flushToDisk(_fileno(file));
+}
+
+bool closeFile(int descriptor) noexcept {
+  return _close(descriptor) == 0;
+}
+
+bool renameFile(const fs::path& made, const fs::path& name, bool replaces) noexcept {
+  const DWORD flags = MOVEFILE_WRITE_THROUGH | (replaces ? MOVEFILE_REPLACE_EXISTING : 0U);
+  return MoveFileExW(made.c_str(), name.c_str(), flags) != 0 || fail(GetLastError());
+}
+
+std::optional<FileIdentity> identityOf(const fs::path& path) noexcept {
+  const HANDLE file = CreateFileW(path.c_str(), 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, nullptr,
+                                  OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr);
+  if (file == INVALID_HANDLE_VALUE) {
+    return std::nullopt;
+  }
+  BY_HANDLE_FILE_INFORMATION info{};
+  const bool known = GetFileInformationByHandle(file, &info) != 0;
+  CloseHandle(file);
+  const std::uint64_t number = std::uint64_t{info.nFileIndexHigh} << 32U | info.nFileIndexLow;
+  return known ? std::optional(FileIdentity{info.dwVolumeSerialNumber, number}) : std::nullopt;
+}
+
+fs::path cacheHome() {
+  return folderIn(L"LOCALAPPDATA");
+}
+
+fs::path stateHome() {
+  return folderIn(L"LOCALAPPDATA");
+}
+
+}  // namespace haptolith
