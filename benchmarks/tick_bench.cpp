@@ -6,8 +6,8 @@
 
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/kernel/simd_target.h"
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/histogram.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/scene/scene.h"

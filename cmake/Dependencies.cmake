@@ -11,7 +11,9 @@ pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(sodium REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(nlopt REQUIRED IMPORTED_TARGET nlopt)
 pkg_check_modules(sdl2 REQUIRED sdl2)  # headers only: the library is loaded on demand (device/drivers/sdl.h)
-find_path(SPNAV_INCLUDE_DIR spnav.h REQUIRED)  # headers only
+if(NOT WIN32)
+  find_path(SPNAV_INCLUDE_DIR spnav.h REQUIRED)  # headers only
+endif()
 if(HAPTOLITH_PROGRAM)
   find_package(CLI11 REQUIRED)
   find_package(spdlog REQUIRED)

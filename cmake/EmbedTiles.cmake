@@ -11,15 +11,14 @@ foreach(file ${files})
   string(APPEND symbols
 "// ${digest}
 __asm__(
-    \".pushsection .rodata\\n\"
+    HAPTOLITH_BEGIN
     \"haptolith_tile_${number}: .incbin \\\"${FOLDER}/${file}\\\"\\n\"
     \"haptolith_tile_${number}_end: .byte 0\\n\"
     \".globl haptolith_tile_${number}, haptolith_tile_${number}_end\\n\"
-    \".hidden haptolith_tile_${number}\\n\"
-    \".hidden haptolith_tile_${number}_end\\n\"
-    \".popsection\\n\");
-extern \"C\" __attribute__((visibility(\"hidden\"))) const char haptolith_tile_${number}[];
-extern \"C\" __attribute__((visibility(\"hidden\"))) const char haptolith_tile_${number}_end[];
+    HAPTOLITH_HIDE(haptolith_tile_${number}) HAPTOLITH_HIDE(haptolith_tile_${number}_end)
+    HAPTOLITH_END);
+extern \"C\" HAPTOLITH_HIDDEN const char haptolith_tile_${number}[];
+extern \"C\" HAPTOLITH_HIDDEN const char haptolith_tile_${number}_end[];
 ")
   string(APPEND entries
 "  if (name == \"${file}\") {
@@ -33,6 +32,18 @@ file(WRITE ${OUTPUT}
 #include \"haptolith/bed/start/ready_tile.h\"
 
 #include <cstddef>
+
+#ifdef _WIN32
+#define HAPTOLITH_BEGIN \".section .rdata,\\\"dr\\\"\\n\"
+#define HAPTOLITH_END \".text\\n\"
+#define HAPTOLITH_HIDE(symbol)
+#define HAPTOLITH_HIDDEN
+#else
+#define HAPTOLITH_BEGIN \".pushsection .rodata\\n\"
+#define HAPTOLITH_END \".popsection\\n\"
+#define HAPTOLITH_HIDE(symbol) \".hidden \" #symbol \"\\n\"
+#define HAPTOLITH_HIDDEN __attribute__((visibility(\"hidden\")))
+#endif
 
 ${symbols}
 namespace haptolith {

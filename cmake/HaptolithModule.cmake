@@ -138,6 +138,13 @@ function(haptolith_shared_library target output_name)
     OUTPUT_NAME ${output_name} EXPORT_NAME ${output_name} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     LINK_DEPENDS ${version_map})
+  target_compile_definitions(${target} PRIVATE HAPTO_BUILDING)
+  if(WIN32)  # one file, for which Visual Studio makes its import library with lib /def
+    set_target_properties(${target} PROPERTIES PREFIX "" RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib
+      ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+    target_link_options(${target} PRIVATE -static LINKER:--output-def,${PROJECT_BINARY_DIR}/lib/${output_name}.def)
+    return()
+  endif()
   target_link_options(${target} PRIVATE
     LINKER:--version-script=${version_map} LINKER:--as-needed)
   if(NOT HAPTOLITH_SANITIZE)  # the program defines the sanitizers' functions

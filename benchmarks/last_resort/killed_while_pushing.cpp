@@ -22,10 +22,10 @@
 #include <string_view>
 #include <thread>
 
+#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/core/platform/shared_library.h"
 #include "haptolith/core/platform/signal_stack.h"
 #include "haptolith/device/drivers/force_dimension.h"
-#include "haptolith/core/platform/last_resort.h"
 
 #include "force_dimension_stand_in.h"
 

@@ -17,8 +17,8 @@
 #include "haptolith/bed/bed.h"
 #include "haptolith/bed/critical_step.h"
 #include "haptolith/bed/start/bed_start.h"
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

@@ -40,7 +40,13 @@
 
 #include <haptolith/version.h>
 
-#if defined(__GNUC__)
+#if defined(_WIN32)
+#if defined(HAPTO_BUILDING)
+#define HAPTO_API __declspec(dllexport)
+#else
+#define HAPTO_API __declspec(dllimport)
+#endif
+#elif defined(__GNUC__)
 #define HAPTO_API __attribute__((visibility("default")))
 #else
 #define HAPTO_API

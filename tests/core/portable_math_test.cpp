@@ -103,5 +103,28 @@ TEST(PortableMath, HasTheseBits) {
   EXPECT_EQ(sum, 0xed759c8598b4726aU);
 }
 
+// Against the library of C, which is right on Linux.
+TEST(PortableMath, FmaRoundsOnce) {
+  std::mt19937 random(1);
+  const auto any = [&] {
+    float number = 0;
+    do {
+      number = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+    } while (!std::isfinite(number));
+    return number;
+  };
+  const auto near_one = [&] { return std::ldexp(static_cast<float>(random() >> 8U), -23); };
+  for (int i = 0; i < 1'000'000; ++i) {
+    const bool wild = i % 2 == 0;
+    const float a = wild ? any() : near_one();
+    const float b = wild ? any() : near_one();
+    // The last is often as small as half of the last place of the product.
+    const float c = wild ? any() : std::ldexp(near_one(), -24 - static_cast<int>(random() % 4));
+    const float expected = std::fma(a, b, c);
+    ASSERT_EQ(std::bit_cast<std::uint32_t>(portable::fma(a, b, c)), std::bit_cast<std::uint32_t>(expected))
+        << a << ' ' << b << ' ' << c;
+  }
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -20,9 +20,9 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/platform/child_process.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/network_device.h"
 
 #include "../source_dir.h"

@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "haptolith/core/platform/clock.h"
+#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/haptics/loop/loop_thread.h"
-#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/soil/presets.h"
 
 namespace haptolith {

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/soil/presets.h"
 

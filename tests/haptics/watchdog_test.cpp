@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 
 namespace haptolith {
 namespace {

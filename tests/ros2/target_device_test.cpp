@@ -5,8 +5,8 @@
 #include <limits>
 #include <thread>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 
 namespace haptolith {
 namespace {

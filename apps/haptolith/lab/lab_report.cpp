@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/former_names.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/figure/figure.h"
 #include "haptolith/lab/archive/report_folder.h"
 #include "haptolith/lab/archive/report_results.h"

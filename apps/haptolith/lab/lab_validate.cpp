@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/lab/archive/report_folder.h"
 #include "haptolith/lab/catalogue/lab_test.h"

@@ -11,8 +11,8 @@
 
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/bed/start/bed_start.h"
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/figure/figure.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/ros2/scene_publisher.h"
 #include "haptolith/ros2/target_device.h"
 

@@ -18,9 +18,9 @@
 #include <thread>
 #include <utility>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/platform/start_thread.h"
 
 namespace haptolith {

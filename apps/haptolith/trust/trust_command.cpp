@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "haptolith/bed/kernel/simd_target.h"
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/core/stop_asked.h"
 #include "haptolith/lab/archive/report_folder.h"

@@ -10,8 +10,8 @@
 #include "haptolith/bed/start/bed_start.h"
 #include "haptolith/bed/start/spatial_order.h"
 #include "haptolith/core/assert.h"
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 
 namespace haptolith {
 

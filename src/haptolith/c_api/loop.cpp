@@ -21,13 +21,13 @@
 #include "haptolith/c_api/values.h"
 #include "haptolith/c_api/with_handle.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/device/declared_limits.h"
 #include "haptolith/device/device_group.h"
 #include "haptolith/device/drivers/open_device.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/haptics/loop/loop_thread.h"
-#include "haptolith/core/platform/last_resort.h"
 
 namespace haptolith::library {
 

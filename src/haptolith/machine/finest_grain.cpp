@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "haptolith/bed/critical_step.h"
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/histogram.h"
 #include "haptolith/core/math/portable_math.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/platform/start_thread.h"
 #include "haptolith/haptics/loop/loop_clock.h"
 #include "haptolith/haptics/real_time.h"

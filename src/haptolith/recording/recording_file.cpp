@@ -12,8 +12,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/core/pluralise.h"
 #include "haptolith/core/platform/child_process.h"
+#include "haptolith/core/pluralise.h"
 
 namespace haptolith::hdf5 {
 

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "haptolith/core/error.h"
-#include "haptolith/core/pluralise.h"
 #include "haptolith/core/platform/start_thread.h"
+#include "haptolith/core/pluralise.h"
 #include "haptolith/recording/recording_file.h"
 
 namespace haptolith {

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "haptolith/core/platform/clock.h"
-#include "haptolith/core/process/async.h"
 #include "haptolith/core/platform/start_thread.h"
+#include "haptolith/core/process/async.h"
 #include "haptolith/ros2/dds_endpoint.h"
 
 namespace haptolith {

@@ -26,13 +26,13 @@ std::optional<ForceRange> forceRange(const MeanForce& mean, const SoilParameters
   if (soil.friction != FrictionModel::kContact) {
     return std::nullopt;
   }
-  constexpr double kFactor = 0.769;     // B
-  constexpr double kShallow = 1.408;    // S
+  constexpr double kFactor = 0.769;      // B
+  constexpr double kShallow = 1.408;     // S
   constexpr double kPerContact = 2.124;  // P
-  constexpr double kParticles = 1.151;  // A
-  constexpr double kRelative = 0.254;   // M
-  constexpr double kContact = 0.476;    // K
-  constexpr double kLeast = 5.46;       // L
+  constexpr double kParticles = 1.151;   // A
+  constexpr double kRelative = 0.254;    // M
+  constexpr double kContact = 0.476;     // K
+  constexpr double kLeast = 5.46;        // L
   const double particle_n = particleForce(soil, gravity_m_s2);
   const double scaled_n = kPerContact * mean.contacts * particle_n;
   const double shallow = mean.force_n > 0 ? kShallow * scaled_n / (scaled_n + mean.force_n) : 0;

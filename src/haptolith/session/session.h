@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/device/device_group.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"
 #include "haptolith/haptics/loop/loop_thread.h"
-#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/scene_file/scene_file.h"
 #include "haptolith/session/scene_change.h"
 #include "haptolith/tool/tool_mesh.h"

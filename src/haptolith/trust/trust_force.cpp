@@ -12,8 +12,8 @@
 
 #include "haptolith/bed/measure/double_step.h"
 #include "haptolith/bed/measure/vertical_load.h"
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/lab/tests/shear.h"
 #include "haptolith/tool/tool_shape.h"
 #include "haptolith/trust/moving_scene.h"

@@ -15,6 +15,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptolith/core/math/portable_math.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace haptolith::HWY_NAMESPACE {
 
@@ -75,13 +77,13 @@ using VectorOfFloats = hwy::HWY_NAMESPACE::Vec<hwy::HWY_NAMESPACE::CappedTag<flo
 
 /// Highway's has two roundings here.
 HWY_INLINE VectorOfFloats MulAdd(VectorOfFloats a, VectorOfFloats b, VectorOfFloats c) {
-  return VectorOfFloats(std::fma(a.raw, b.raw, c.raw));
+  return VectorOfFloats(portable::fma(a.raw, b.raw, c.raw));
 }
 HWY_INLINE VectorOfFloats MulSub(VectorOfFloats a, VectorOfFloats b, VectorOfFloats c) {
-  return VectorOfFloats(std::fma(a.raw, b.raw, -c.raw));
+  return VectorOfFloats(portable::fma(a.raw, b.raw, -c.raw));
 }
 HWY_INLINE VectorOfFloats NegMulAdd(VectorOfFloats a, VectorOfFloats b, VectorOfFloats c) {
-  return VectorOfFloats(std::fma(-a.raw, b.raw, c.raw));
+  return VectorOfFloats(portable::fma(-a.raw, b.raw, c.raw));
 }
 
 #endif

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 /// Functions with the same bits on every processor and C library: they use only sums, products, quotients and square
 /// roots, which IEEE 754 rounds correctly, and the build allows no contraction. C libraries differ in the last bit. The
@@ -34,6 +36,23 @@ namespace haptolith::portable {
 }
 [[nodiscard]] inline double hypot(double x, double y, double z) noexcept {
   return std::sqrt(x * x + y * y + z * z);
+}
+
+/// a b + c with one rounding, which some libraries of C get wrong: MinGW's rounds twice.
+[[nodiscard]] inline float fma(float a, float b, float c) noexcept {
+  const double product = static_cast<double>(a) * b;  // exact
+  double sum = product + c;
+  const double added = sum - product;
+  const double lost = (product - (sum - added)) + (c - added);
+  if (lost != 0 && std::isfinite(sum)) {
+    // Rounded to odd, so that the second rounding has the effect of one alone.
+    auto bits = std::bit_cast<std::uint64_t>(sum);
+    if ((bits & 1U) == 0) {
+      bits = (lost > 0) == (sum > 0) ? bits + 1 : bits - 1;
+    }
+    sum = std::bit_cast<double>(bits);
+  }
+  return static_cast<float>(sum);
 }
 
 [[nodiscard]] constexpr double square(double x) noexcept {

@@ -34,8 +34,8 @@ namespace haptolith {
 
 bool closeFile(int descriptor) noexcept;
 
-/// Gives `made` the name `name` in one step; waits until the folder's list is on the disk. An existing file is replaced,
-/// or makes it fail with EEXIST.
+/// Gives `made` the name `name` in one step; waits until the folder's list is on the disk. An existing file is
+/// replaced, or makes it fail with EEXIST.
 [[nodiscard]] bool renameFile(const std::filesystem::path& made, const std::filesystem::path& name,
                               bool replaces) noexcept;
 

@@ -5,8 +5,9 @@
 
 namespace haptolith {
 
-/// A separate stack for the handlers of signals that interrupt the calling thread, as long as it lives: when the thread's
-/// own stack has overflowed, a handler could not run on that. May itself lie on that stack, whose end is far below.
+/// A separate stack for the handlers of signals that interrupt the calling thread, as long as it lives: when the
+/// thread's own stack has overflowed, a handler could not run on that. May itself lie on that stack, whose end is far
+/// below.
 class SignalStack {
  public:
   SignalStack() noexcept;

@@ -30,7 +30,8 @@ int runThisThreadOn(const CpuSet& cpus) noexcept;
 /// Real-time priority of the calling thread, 1 to 99; 0 for none. May be called in the tick.
 [[nodiscard]] int priorityOfThisThread() noexcept;
 
-/// Gives the calling thread that priority, and 0 takes it away. Returns 0 or an error number. May be called in the tick.
+/// Gives the calling thread that priority, and 0 takes it away. Returns 0 or an error number. May be called in the
+/// tick.
 int setPriorityOfThisThread(int priority) noexcept;
 
 /// What the system calls scheduling with and without real-time priority.

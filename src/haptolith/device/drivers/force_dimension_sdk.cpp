@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <fnmatch.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
@@ -19,35 +19,84 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kLibraries = "libdrd.so*";  ///< their names in SDKs
+/// Names with one beginning and one end.
+struct NamePattern {
+  std::string_view begin, end;
 
-std::vector<fs::path> matching(const fs::path& folder, const char* pattern) {
+  [[nodiscard]] bool fits(std::string_view name) const {
+    return name.size() >= begin.size() + end.size() && name.starts_with(begin) && name.ends_with(end);
+  }
+  [[nodiscard]] std::string text() const { return fmt::format("{}*{}", begin, end); }
+};
+
+// Names of libraries in SDKs, the folder of each compiler's libraries, and names that the loader may know.
+#ifdef _WIN32
+constexpr NamePattern kLibraries{"drdms64", ".dll"};
+constexpr std::string_view kCompilers = ".";
+constexpr NamePattern kCompiler{"bin", ""};
+constexpr std::array kLoadersNames{"drdms64.dll"};
+#else
+constexpr NamePattern kLibraries{"libdrd.so", ""};
+constexpr std::string_view kCompilers = "lib/release";
+constexpr NamePattern kCompiler{"lin-", "-gcc"};
+constexpr std::array kLoadersNames{"libdrd.so.3", "libdrd.so"};
+#endif
+
+std::vector<fs::path> matching(const fs::path& folder, const NamePattern& pattern) {
   std::vector<fs::path> found;
   std::error_code ignored;  // a folder that cannot be read has nothing for us
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    if (fnmatch(pattern, entry.path().filename().c_str(), 0) == 0) {
+    if (pattern.fits(entry.path().filename().string())) {
       found.push_back(entry.path());
     }
   }
   return found;
 }
 
+/// The number that begins a text, which loses it.
+unsigned long takeNumber(std::string_view& text) {
+  unsigned long number = 0;
+  while (!text.empty() && text.front() >= '0' && text.front() <= '9') {
+    number = 10 * number + static_cast<unsigned long>(text.front() - '0');
+    text.remove_prefix(1);
+  }
+  return number;
+}
+
 /// libdrd.so.3.17.10 comes before libdrd.so.3.17.6, and both before libdrd.so.
 bool isNewer(const fs::path& a, const fs::path& b) {
-  return strverscmp(a.filename().c_str(), b.filename().c_str()) > 0;
+  const std::string texts[] = {a.filename().string(), b.filename().string()};
+  std::string_view left = texts[0];
+  std::string_view right = texts[1];
+  const auto digit = [](std::string_view text) { return text.front() >= '0' && text.front() <= '9'; };
+  while (!left.empty() && !right.empty()) {
+    if (digit(left) && digit(right)) {
+      const unsigned long number = takeNumber(left);
+      const unsigned long other = takeNumber(right);
+      if (number != other) {
+        return number > other;
+      }
+    } else if (left.front() != right.front()) {
+      return left.front() > right.front();
+    } else {
+      left.remove_prefix(1);
+      right.remove_prefix(1);
+    }
+  }
+  return left.size() > right.size();
 }
 
 /// The libraries in a folder and where an SDK's folder keeps them (lib/release/lin-x86_64-gcc/), newest first; the
 /// searched places when there is none.
 std::vector<fs::path> librariesBelow(const fs::path& folder) {
   std::vector<fs::path> found = matching(folder, kLibraries);
-  for (const fs::path& platform : matching(folder / "lib" / "release", "lin-*-gcc")) {
-    const std::vector<fs::path> here = matching(platform, kLibraries);
+  for (const fs::path& compiler : matching(folder / kCompilers, kCompiler)) {
+    const std::vector<fs::path> here = matching(compiler, kLibraries);
     found.insert(found.end(), here.begin(), here.end());
   }
   std::sort(found.begin(), found.end(), isNewer);
-  return found.empty() ? std::vector<fs::path>{folder / kLibraries, folder / "lib/release/lin-*-gcc" / kLibraries}
-                       : found;
+  const std::string name = kLibraries.text();
+  return found.empty() ? std::vector<fs::path>{folder / name, folder / kCompilers / kCompiler.text() / name} : found;
 }
 
 std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPlaces& places) {
@@ -60,7 +109,7 @@ std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPl
   std::vector<fs::path> all;
   const auto add = [&all](const std::vector<fs::path>& some) { all.insert(all.end(), some.begin(), some.end()); };
   for (const char* variable : {"FORCEDIM_SDK", "FDSDK"}) {
-    if (const char* folder = std::getenv(variable); folder != nullptr && *folder == '/') {
+    if (const char* folder = std::getenv(variable); folder != nullptr && fs::path(folder).is_absolute()) {
       add(librariesBelow(folder));
     }
   }
@@ -75,7 +124,7 @@ std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPl
       }
     }
   }
-  add({"libdrd.so.3", "libdrd.so"});
+  add({kLoadersNames.begin(), kLoadersNames.end()});
   add(librariesBelow(places.local_libraries));
   return all;
 }
@@ -83,7 +132,7 @@ std::vector<fs::path> candidates(const fs::path& library, const ForceDimensionPl
 SharedLibrary firstThatLoads(const fs::path& library, const ForceDimensionPlaces& places) {
   std::vector<std::string> tried;
   for (const fs::path& candidate : candidates(library, places)) {
-    if (candidate.filename() == kLibraries) {  // a folder where nothing is called like that
+    if (candidate.filename() == kLibraries.text()) {  // a folder where nothing is called like that
       tried.push_back(fmt::format("there is no {}", candidate.string()));
       continue;
     }

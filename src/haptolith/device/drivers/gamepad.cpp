@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/device/drivers/sdl.h"
 
 namespace haptolith {

@@ -17,10 +17,10 @@
 #include <string>
 #include <thread>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
-#include "haptolith/core/process/latest_value.h"
+#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/platform/start_thread.h"
+#include "haptolith/core/process/latest_value.h"
 #include "haptolith/device/drivers/inverse3_messages.h"
 
 namespace haptolith {

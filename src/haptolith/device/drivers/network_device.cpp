@@ -1,21 +1,14 @@
 #include "haptolith/device/drivers/network_device.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
-#include <cstring>
-#include <ctime>
 #include <optional>
 
-#include "haptolith/core/platform/clock.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/clock.h"
 
 namespace haptolith {
 
@@ -32,83 +25,22 @@ constexpr int kMostOwed = 20;
 constexpr std::size_t kLongestPacket = DevicePacket::kBytes + PacketKey::kTagBytes;
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);  // a signal's handler may release the tool
 
-sockaddr_in socketAddressOf(std::string_view text) {
-  const auto refuse = [&] {
-    return InvalidParameter("address", fmt::format("'{}'", text),
-                            "HOST:PORT with an IPv4 address of this machine, for example 127.0.0.1:9050 for this "
-                            "machine only or 0.0.0.0:9050 for all machines");
-  };
-  const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) {
-    throw refuse();
+UdpAddress socketAddressOf(std::string_view text) {
+  if (const std::optional<UdpAddress> address = udpAddressIn(text)) {
+    return *address;
   }
-  const std::string host(text.substr(0, colon) == "localhost" ? "127.0.0.1" : text.substr(0, colon));
-  const std::string_view port = text.substr(colon + 1);
-  std::uint16_t number = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(number);
-  if (error != std::errc{} || end != port.data() + port.size() ||
-      inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
-    throw refuse();
-  }
-  return address;
+  throw InvalidParameter("address", fmt::format("'{}'", text),
+                         "HOST:PORT with an IPv4 address of this machine, for example 127.0.0.1:9050 for this "
+                         "machine only or 0.0.0.0:9050 for all machines");
 }
 
-std::uint64_t packed(const sockaddr_in& address) noexcept {
-  return std::uint64_t{address.sin_addr.s_addr} << 16 | address.sin_port;
+/// An address in one number, which may be atomic. 0: nobody.
+std::uint64_t packed(const UdpAddress& address) noexcept {
+  return std::uint64_t{address.host} << 16U | address.port;
 }
 
-sockaddr_in unpacked(std::uint64_t sender) noexcept {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = static_cast<std::uint32_t>(sender >> 16);
-  address.sin_port = static_cast<std::uint16_t>(sender);
-  return address;
-}
-
-// The system's interface takes every kind of address by a pointer to its first member.
-// NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast)
-sockaddr* generic(sockaddr_in& address) noexcept {
-  return reinterpret_cast<sockaddr*>(&address);
-}
-const sockaddr* generic(const sockaddr_in& address) noexcept {
-  return reinterpret_cast<const sockaddr*>(&address);
-}
-// NOLINTEND(cppcoreguidelines-pro-type-reinterpret-cast)
-
-std::string addressText(std::uint64_t sender) {
-  const sockaddr_in address = unpacked(sender);
-  std::array<char, INET_ADDRSTRLEN> host{};
-  inet_ntop(AF_INET, &address.sin_addr, host.data(), host.size());
-  return fmt::format("{}:{}", host.data(), ntohs(address.sin_port));
-}
-
-bool isThisMachine(const sockaddr_in& address) noexcept {
-  return (ntohl(address.sin_addr.s_addr) >> 24U) == 127;
-}
-
-/// Errors after which the socket still works.
-bool passes(int error) noexcept {
-  return error == EINTR || error == ECONNREFUSED || error == ENOBUFS || error == ENOMEM || error == ENETDOWN;
-}
-
-std::int64_t wallClockNs() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
-}
-
-/// When the packet came to this machine, by its wall clock in ns.
-std::optional<std::int64_t> stampOf(const msghdr& message) noexcept {
-  const cmsghdr* header = CMSG_FIRSTHDR(&message);  // nothing else has been asked for
-  if (header == nullptr || header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_TIMESTAMPNS) {
-    return std::nullopt;
-  }
-  timespec stamp{};
-  std::memcpy(&stamp, CMSG_DATA(header), sizeof stamp);
-  return stamp.tv_sec * 1'000'000'000 + stamp.tv_nsec;
+UdpAddress unpacked(std::uint64_t sender) noexcept {
+  return {static_cast<std::uint32_t>(sender >> 16U), static_cast<std::uint16_t>(sender)};
 }
 
 std::int64_t nanoseconds(double seconds) {
@@ -122,33 +54,27 @@ NetworkDevice::NetworkDevice(const DeviceParameters& parameters, const NetworkTi
       fresh_ns_(nanoseconds(requireInRange("fresh_s", timeouts.fresh_s, {0.001, 10}))),
       holder_ns_(nanoseconds(requireInRange("holder_s", timeouts.holder_s, {timeouts.fresh_s, 60}))) {
   const std::string text(parameters.address.empty() ? kNetworkAddress : std::string_view(parameters.address));
-  sockaddr_in address = socketAddressOf(text);
+  const UdpAddress address = socketAddressOf(text);
   if (!parameters.key.empty()) {
     key_.emplace(parameters.key);
-  } else if (!isThisMachine(address) && !parameters.insecure) {
+  } else if (!address.isThisMachine() && !parameters.insecure) {
     throw InvalidParameter(
         "address", fmt::format("'{}'", text),
         "one of this machine only, such as 127.0.0.1:9050, unless packets are signed (--device-key-file, "
         "docs/reference/udp.md) or all users of the network are trusted (--device-insecure)");
   }
-  const auto fail = [&](const char* remedy) {
-    return Failure(fmt::format("cannot listen for UDP packets at {}: {}; {}", text, strerrordesc_np(errno), remedy));
+  const auto fail = [&](int error, const char* remedy) {
+    return Failure(fmt::format("cannot listen for UDP packets at {}: {}; {}", text, UdpSocket::reason(error), remedy));
   };
-  const int number = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (number < 0) {
-    throw fail("end programs that hold many sockets");
+  if (const int error = socket_.open(kReceiveBuffer); error != 0) {
+    throw fail(error, "end programs that hold many sockets");
   }
-  socket_ = Descriptor(number);
-  setsockopt(number, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
-  constexpr int kYes = 1;
-  setsockopt(number, SOL_SOCKET, SO_TIMESTAMPNS, &kYes, sizeof kYes);
-  if (bind(number, generic(address), sizeof address) != 0) {
-    throw fail(errno == EADDRINUSE ? "end the program that listens there, or choose another port"
-                                   : "choose an address of this machine (ip -4 addr) and a port above 1023");
+  if (const int error = socket_.bind(address); error != 0) {
+    throw fail(error, UdpSocket::isInUse(error)
+                          ? "end the program that listens there, or choose another port"
+                          : "choose an address of this machine (ip -4 addr) and a port above 1023");
   }
-  socklen_t size = sizeof address;
-  getsockname(number, generic(address), &size);
-  port_ = ntohs(address.sin_port);
+  port_ = socket_.port();
   input_.state = DeviceState::kStale;
 }
 
@@ -197,31 +123,17 @@ DeviceInput NetworkDevice::read() noexcept {
 /// @param clock_ahead_ns  of the wall clock before the monotonic one, now.
 bool NetworkDevice::receive(std::int64_t clock_ahead_ns) noexcept {
   std::array<std::byte, kLongestPacket + 1> bytes;  // one more: a packet that is too long is seen to be
-  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(timespec))> control;
-  sockaddr_in sender{};
-  iovec into{bytes.data(), bytes.size()};
-  msghdr message{};
-  message.msg_name = &sender;
-  message.msg_namelen = sizeof sender;
-  message.msg_iov = &into;
-  message.msg_iovlen = 1;
-  message.msg_control = control.data();
-  message.msg_controllen = control.size();
-  const ssize_t received = recvmsg(socket_.number(), &message, 0);
-  if (received >= 0) {
-    // Stamps are of the wall clock. Set forward between packet and read() it makes the packet too old, which is
-    // harmless; set back, it makes it new, as it would be without a stamp.
-    const std::int64_t came_ns = stampOf(message).value_or(now_ns_ + clock_ahead_ns) - clock_ahead_ns;
-    take(std::span(bytes).first(static_cast<std::size_t>(received)), packed(sender), std::min(came_ns, now_ns_));
-    return true;
+  UdpSocket::Packet packet;
+  switch (socket_.receive(bytes, packet)) {
+    case UdpSocket::Received::kPacket: break;
+    case UdpSocket::Received::kNothing: return false;
+    case UdpSocket::Received::kError: return true;
+    case UdpSocket::Received::kBroken: lose(UdpSocket::reason(packet.error)); return false;
   }
-  if (errno == EAGAIN) {
-    return false;
-  }
-  if (!passes(errno)) {
-    lose(strerrordesc_np(errno));
-    return false;
-  }
+  // Stamps are of the wall clock. Set forward between packet and read() it makes the packet too old, which is
+  // harmless; set back, it makes it new, as it would be without a stamp.
+  const std::int64_t came_ns = packet.wall_ns.value_or(now_ns_ + clock_ahead_ns) - clock_ahead_ns;
+  take(std::span(bytes).first(packet.bytes), packed(packet.sender), std::min(came_ns, now_ns_));
   return true;
 }
 
@@ -353,9 +265,7 @@ void NetworkDevice::write(const DeviceOutput& output) noexcept {
 
 void NetworkDevice::releaseForce() noexcept {
   released_.store(true);
-  const int error = errno;  // a signal's handler leaves it as it was
   (void)answer({});
-  errno = error;
 }
 
 bool NetworkDevice::answer(const DeviceOutput& output) noexcept {
@@ -383,9 +293,7 @@ bool NetworkDevice::sendTo(std::uint64_t receiver, const AnswerPacket& packet, c
                       bytes.begin() + AnswerPacket::kBytes + nonce.size());
     size = bytes.size();
   }
-  const sockaddr_in address = unpacked(receiver);
-  return sendto(socket_.number(), bytes.data(), size, MSG_NOSIGNAL, generic(address), sizeof address) ==
-         static_cast<ssize_t>(size);
+  return socket_.send(unpacked(receiver), std::span(bytes).first(size));
 }
 
 void NetworkDevice::lose(const char* reason) noexcept {
@@ -422,7 +330,7 @@ std::string NetworkDevice::textOf(NetworkWarning what) const {
       return "packet ignored: its signature does not fit this program's key; use the same key on both ends";
     case NetworkWarning::kOther:
       return fmt::format("packets of a second sender, {}, are ignored until the first is silent for {:g} s",
-                         addressText(other_), 1e-9 * static_cast<double>(holder_ns_));
+                         unpacked(other_).text(), 1e-9 * static_cast<double>(holder_ns_));
     case NetworkWarning::kWaited:
       return fmt::format(
           "packets waited {:.0f} ms before they were read, as after a pause of this program; they do not "

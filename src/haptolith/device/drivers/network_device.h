@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "haptolith/core/platform/child_process.h"
+#include "haptolith/core/platform/udp_socket.h"
 #include "haptolith/device/device_parameters.h"
 #include "haptolith/device/drivers/device_packet.h"
 #include "haptolith/device/drivers/packet_key.h"
@@ -91,7 +91,7 @@ class NetworkDevice final : public HapticDevice {
   [[nodiscard]] bool sendTo(std::uint64_t receiver, const AnswerPacket& packet, const PacketKey::Nonce& nonce) noexcept;
 
   DeviceParameters parameters_;
-  Descriptor socket_;
+  UdpSocket socket_;
   std::uint16_t port_ = 0;
   std::int64_t fresh_ns_, holder_ns_;
 

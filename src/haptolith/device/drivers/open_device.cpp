@@ -8,7 +8,9 @@
 #include "haptolith/device/drivers/inverse3.h"
 #include "haptolith/device/drivers/mouse.h"
 #include "haptolith/device/drivers/network_device.h"
+#ifndef _WIN32
 #include "haptolith/device/drivers/space_mouse.h"
+#endif
 
 namespace haptolith {
 
@@ -17,6 +19,28 @@ namespace {
 std::vector<DeviceReport> findAnyForceDimension(const DeviceParameters& parameters) {
   return findForceDimension(parameters);
 }
+
+#ifdef _WIN32
+/// Its daemon, spacenavd, runs on Linux only.
+constexpr const char* kNoSpaceMouse = "a SpaceMouse works on Linux only";
+
+std::vector<DeviceReport> findSpaceMouse(const DeviceParameters& /*parameters*/) {
+  return {{.kind = DeviceKind::kSpaceMouse,
+           .name = "SpaceMouse",
+           .id = {},
+           .usable = false,
+           .why_not = kNoSpaceMouse,
+           .remedy = {}}};
+}
+
+std::unique_ptr<HapticDevice> openSpaceMouse(const DeviceParameters& /*parameters*/, double /*tick_s*/) {
+  throw Failure(kNoSpaceMouse);
+}
+#else
+std::unique_ptr<HapticDevice> openSpaceMouse(const DeviceParameters& parameters, double tick_s) {
+  return std::make_unique<SpaceMouse>(parameters, tick_s);
+}
+#endif
 
 DeviceReport alwaysThere(DeviceKind kind, const char* name) {
   DeviceReport report;
@@ -49,7 +73,7 @@ std::unique_ptr<HapticDevice> openDevice(const DeviceParameters& parameters, dou
     case DeviceKind::kVirtualHand: break;
     case DeviceKind::kForceDimension: return std::make_unique<ForceDimension>(parameters);
     case DeviceKind::kInverse3: return std::make_unique<Inverse3>(parameters);
-    case DeviceKind::kSpaceMouse: return std::make_unique<SpaceMouse>(parameters, tick_s);
+    case DeviceKind::kSpaceMouse: return openSpaceMouse(parameters, tick_s);
     case DeviceKind::kGamepad: return std::make_unique<Gamepad>(parameters, tick_s);
     case DeviceKind::kMouse: return std::make_unique<Mouse>(parameters, tick_s);
     case DeviceKind::kNetwork: return std::make_unique<NetworkDevice>(parameters);

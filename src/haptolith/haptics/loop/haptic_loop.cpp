@@ -10,9 +10,9 @@
 #include "haptolith/core/assert.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/overloaded.h"
+#include "haptolith/core/platform/last_resort.h"
 #include "haptolith/core/platform/signal_stack.h"
 #include "haptolith/haptics/real_time.h"
-#include "haptolith/core/platform/last_resort.h"
 
 namespace haptolith {
 

@@ -12,8 +12,8 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/math/random.h"
-#include "haptolith/core/stop_asked.h"
 #include "haptolith/core/statistics.h"
+#include "haptolith/core/stop_asked.h"
 #include "haptolith/device/hand/hand_motion.h"
 #include "haptolith/device/hand/virtual_hand.h"
 #include "haptolith/haptics/loop/haptic_loop.h"

@@ -15,6 +15,12 @@ std::int64_t monotonicNs() noexcept {
   return now.tv_sec * kNsPerSecond + now.tv_nsec;
 }
 
+std::int64_t wallClockNs() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return now.tv_sec * kNsPerSecond + now.tv_nsec;
+}
+
 std::int64_t threadCpuNs() noexcept {
   timespec run{};
   return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &run) == 0 ? run.tv_sec * kNsPerSecond + run.tv_nsec : 0;

@@ -43,7 +43,7 @@ std::atomic<bool> dying{false};               ///< a signal that ends the progra
 std::atomic<bool> done{false};                ///< and what can be done for the hand has been
 std::atomic<bool> helped{false};              ///< zero has been sent regardless
 std::atomic<bool> has_released_force{false};  ///< see releasedForceMeanwhile()
-std::atomic<int> helpers_command{0};                     ///< command to the helper
+std::atomic<int> helpers_command{0};          ///< command to the helper
 sem_t call;                                   ///< semaphore of the helper
 std::array<struct sigaction, kSignals> usual_actions;
 std::array<bool, kSignals> handled{};
@@ -161,7 +161,8 @@ void handleAll() noexcept {
   for (int signal = 1; signal < kSignals; ++signal) {
     const auto at = static_cast<std::size_t>(signal);
     handled[at] = false;
-    if (isOneOf(signal, kLeftAlone) || sigaction(signal, nullptr, &usual_actions[at]) != 0) {  // glibc keeps two to itself
+    if (isOneOf(signal, kLeftAlone) ||
+        sigaction(signal, nullptr, &usual_actions[at]) != 0) {  // glibc keeps two to itself
       continue;
     }
     const bool is_default = (usual_actions[at].sa_flags & SA_SIGINFO) == 0 && usual_actions[at].sa_handler == SIG_DFL;

@@ -161,8 +161,9 @@ Descriptor temporaryFile(std::string_view content) {
       GetTempFileNameW(folder.data(), L"hap", 0, name.data()) == 0) {
     throw Failure(fmt::format("cannot create a temporary file: {}", lastReason()));
   }
-  const HANDLE file = CreateFileW(name.data(), GENERIC_READ | GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_WRITE, nullptr,
-                                  CREATE_ALWAYS, FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
+  const HANDLE file =
+      CreateFileW(name.data(), GENERIC_READ | GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_WRITE, nullptr, CREATE_ALWAYS,
+                  FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, nullptr);
   if (file == INVALID_HANDLE_VALUE) {
     throw Failure(fmt::format("cannot create a temporary file: {}", lastReason()));
   }
@@ -202,19 +203,18 @@ ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& giv
   }
   std::wstring environment = environmentWith(command.environment);
   PROCESS_INFORMATION made{};
-  const bool started = CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE,
-                                      CREATE_SUSPENDED | CREATE_NEW_PROCESS_GROUP | CREATE_NO_WINDOW |
-                                          CREATE_UNICODE_ENVIRONMENT,
-                                      environment.data(), nullptr, &start, &made) != 0;
+  const bool started =
+      CreateProcessW(nullptr, line.data(), nullptr, nullptr, TRUE,
+                     CREATE_SUSPENDED | CREATE_NEW_PROCESS_GROUP | CREATE_NO_WINDOW | CREATE_UNICODE_ENVIRONMENT,
+                     environment.data(), nullptr, &start, &made) != 0;
   const DWORD error = GetLastError();
   for (const Given& one : given) {
     SetHandleInformation(handleOf(one.ours), HANDLE_FLAG_INHERIT, 0);
   }
   if (!started) {
-    throw Failure(error == ERROR_FILE_NOT_FOUND
-                      ? fmt::format("{} is not installed, or not in PATH", name_)
-                      : fmt::format("cannot start {}: {}", name_,
-                                    std::system_category().message(static_cast<int>(error))));
+    throw Failure(error == ERROR_FILE_NOT_FOUND ? fmt::format("{} is not installed, or not in PATH", name_)
+                                                : fmt::format("cannot start {}: {}", name_,
+                                                              std::system_category().message(static_cast<int>(error))));
   }
   const HANDLE job = makeJob(command.most_cpu);
   AssignProcessToJobObject(job, made.hProcess);
@@ -232,8 +232,8 @@ ChildProcess::~ChildProcess() {
 }
 
 bool ChildProcess::endsWithin(std::chrono::milliseconds timeout) {
-  if (running_ && WaitForSingleObject(reinterpret_cast<HANDLE>(process_), static_cast<DWORD>(timeout.count())) ==
-                      WAIT_OBJECT_0) {
+  if (running_ &&
+      WaitForSingleObject(reinterpret_cast<HANDLE>(process_), static_cast<DWORD>(timeout.count())) == WAIT_OBJECT_0) {
     DWORD status = 1;
     GetExitCodeProcess(reinterpret_cast<HANDLE>(process_), &status);
     running_ = false;

@@ -12,8 +12,7 @@ constexpr DWORD kHighResolution = 2;  // CREATE_WAITABLE_TIMER_HIGH_RESOLUTION, 
 /// Timer of the calling thread. The ordinary one would wake it up to 15 ms late.
 class Timer {
  public:
-  Timer() noexcept
-      : timer_(CreateWaitableTimerExW(nullptr, nullptr, kHighResolution, TIMER_ALL_ACCESS)) {
+  Timer() noexcept : timer_(CreateWaitableTimerExW(nullptr, nullptr, kHighResolution, TIMER_ALL_ACCESS)) {
     if (timer_ == nullptr) {  // Windows 10 before 1803
       timer_ = CreateWaitableTimerExW(nullptr, nullptr, 0, TIMER_ALL_ACCESS);
     }
@@ -54,6 +53,14 @@ std::int64_t monotonicNs() noexcept {
   QueryPerformanceCounter(&now);
   // In two parts, as the product would overflow after 15 minutes.
   return now.QuadPart / frequency_hz * kNsPerSecond + now.QuadPart % frequency_hz * kNsPerSecond / frequency_hz;
+}
+
+std::int64_t wallClockNs() noexcept {
+  constexpr std::int64_t kFrom1601To1970 = 116'444'736'000'000'000;  // in steps of 100 ns
+  FILETIME now{};
+  GetSystemTimePreciseAsFileTime(&now);
+  return 100 *
+         (static_cast<std::int64_t>(std::uint64_t{now.dwHighDateTime} << 32U | now.dwLowDateTime) - kFrom1601To1970);
 }
 
 std::int64_t threadCpuNs() noexcept {

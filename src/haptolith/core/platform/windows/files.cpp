@@ -1,12 +1,11 @@
 #include "haptolith/core/platform/files.h"
 
-#include <windows.h>
-
 #include <bcrypt.h>
 #include <direct.h>
 #include <fcntl.h>
 #include <io.h>
 #include <sys/stat.h>
+#include <windows.h>
 
 #include <algorithm>
 #include <cerrno>

@@ -18,7 +18,8 @@ std::string loadersReason() {
 
 }  // namespace
 
-SharedLibrary::SharedLibrary(std::filesystem::path path) : path_(std::move(path)), handle_(LoadLibraryW(path_.c_str())) {
+SharedLibrary::SharedLibrary(std::filesystem::path path)
+    : path_(std::move(path)), handle_(LoadLibraryW(path_.c_str())) {
   if (handle_ == nullptr) {
     throw Failure(fmt::format("cannot load {}: {}", path_.string(), loadersReason()));
   }

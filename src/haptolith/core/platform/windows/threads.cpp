@@ -1,8 +1,7 @@
 #include "haptolith/core/platform/threads.h"
 
-#include <windows.h>
-
 #include <avrt.h>
+#include <windows.h>
 
 #include <cerrno>
 
@@ -71,8 +70,7 @@ int setPriorityOfThisThread(int priority) noexcept {
     priority_asked = 0;
     return SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_NORMAL) != 0 ? 0 : EPERM;
   }
-  const bool granted =
-      favoured.join() || SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_TIME_CRITICAL) != 0;
+  const bool granted = favoured.join() || SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_TIME_CRITICAL) != 0;
   priority_asked = granted ? priority : 0;
   return granted ? 0 : EPERM;
 }
