@@ -26,7 +26,7 @@ using Folders = std::set<std::string>;
 const std::map<std::string, Folders> kArrows = {
     {"core/math", {}},
     {"core", {"core/math"}},
-    // What systems do differently.
+    // Functions that systems do differently.
     {"core/platform", {"core"}},
     {"core/process", {"core/platform"}},
     {"core/files", {"core/process"}},

@@ -63,7 +63,7 @@ def needed(files: list[Path], root: Path) -> dict[str, Path]:
 
 
 def package_of(library: str) -> str:
-    """The Debian package of a library, by its name; this machine has those of its own processor."""
+    """The Debian package of a library, by its name; this machine has those of the same name."""
     try:
         return output("dpkg-query", "-S", f"*/{library}").split(":")[0]
     except subprocess.CalledProcessError:

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs the wheel of `./dev wheel` with pip in bare Debian roots, digs, and compares the state's hash with that of the program built
-# here: tests/packages/wheel_root.sh [SUITE...|arm64], as root, with Debian's mmdebstrap. Takes some minutes and the network. With
-# arm64, the wheel of `./dev wheel arm64` in QEMU, unpacked instead of installed.
+# Installs the wheel of `./dev wheel` with pip in bare roots of Debian and Ubuntu, digs, and compares the hash of the state with that of
+# the program built here: tests/packages/wheel_root.sh [SUITE...|arm64], as root, with mmdebstrap. Takes some minutes and the network.
+# Ubuntu's packages are not verified, as Debian does not have its keys. With arm64, the wheel of `./dev wheel arm64` in QEMU,
+# unpacked instead of installed.
 set -euo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 processor=x86_64
@@ -9,7 +10,7 @@ processor=x86_64
 wheel=$(compgen -G "$source/build/wheels/*_$processor.whl" | head -n 1) || { echo "wheel_root.sh: no wheel: ./dev wheel" >&2; exit 2; }
 program=$source/build/release/apps/haptolith/haptolith
 [[ -x $program ]] || { echo "wheel_root.sh: no program: ./dev build" >&2; exit 2; }
-(($# > 0)) || set -- bookworm trixie
+(($# > 0)) || set -- bookworm trixie noble
 dig=(run icra2021 --no-realtime --duration-s 2 --json)
 expected=$("$program" "${dig[@]}" | grep state_hash)
 root=$(mktemp -d)
@@ -37,7 +38,9 @@ fi
 for suite in "$@"; do
   rm -rf "$root" && mkdir -p "$root"
   say "making a root of $suite"
-  mmdebstrap --quiet --variant=minbase --include=python3-venv,python3-matplotlib "$suite" "$root"
+  from=()
+  [[ $suite != noble && $suite != jammy ]] || from=("deb [trusted=yes] http://archive.ubuntu.com/ubuntu $suite main universe")
+  mmdebstrap --quiet --variant=minbase --include=python3-venv,python3-matplotlib "$suite" "$root" "${from[@]}"
   mount --bind /dev "$root/dev"
   mount -t proc proc "$root/proc"
   mkdir "$root/wheel"

@@ -57,14 +57,17 @@ Json windowsJson(const std::vector<BandWindow>& windows) {
   return json;
 }
 
-std::vector<BandWindow> windowsFrom(const Json& json) {
+/// The saved windows, with the band as it is now.
+std::vector<BandWindow> windowsFrom(const Json& json, const SceneFile& scene) {
   std::vector<BandWindow> windows;
+  const double gravity_m_s2 = scene.bed.gravity_m_s2.norm();
   for (const Json& window : json) {
     const auto at = [&](const char* key) { return window.at(key).get<double>(); };
-    windows.push_back({.mean = {at("force_n"), at("contacts")},
+    const MeanForce mean{at("force_n"), at("contacts")};
+    windows.push_back({.mean = mean,
                        .reference_n = at("reference_n"),
                        .particle_n = at("particle_n"),
-                       .band = {at("low_n"), at("high_n")}});
+                       .band = forceRange(mean, scene.bed.soil, gravity_m_s2).value_or(ForceRange{})});
   }
   return windows;
 }
@@ -110,7 +113,7 @@ void runBand(const BandOptions& options) {
   for (std::size_t i = 0; i < count; ++i) {
     scenes.push_back(bandScene(options.first + i));
     if (const std::optional<Json> saved = folder.result(name(i))) {
-      windows[i] = windowsFrom(*saved);
+      windows[i] = windowsFrom(*saved, scenes[i]);
     } else {
       missing.push_back(i);
     }

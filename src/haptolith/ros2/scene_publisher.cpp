@@ -28,11 +28,6 @@ constexpr std::size_t kTicksInFlight = 1024;  // a second of them
 constexpr double kTransform_s = 0.02;
 constexpr std::int64_t kHolder_ns = 1'000'000'000;  // as the network device's
 
-std::int64_t wallClockNs() noexcept {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 /// The published part of a tick.
 struct ToldTick {
   double time_s = 0;

@@ -13,14 +13,14 @@ namespace haptolith {
 
 // Operations on files that differ between systems. Those that may fail set errno. Not for the tick.
 
-/// Whether the system has filled `bytes` with numbers that nobody can guess.
+/// Whether the system has filled `bytes` with numbers that cannot be guessed.
 [[nodiscard]] bool fillWithRandom(std::span<std::byte> bytes) noexcept;
 
 /// Descriptor of a new file to write, which no child inherits; -1 on failure. Follows no link, opens no existing file.
 /// @param owner_only  only the owner may read it; on Windows the folder's access list decides
 [[nodiscard]] int createNewFile(const std::filesystem::path& path, bool owner_only) noexcept;
 
-/// The same file for the functions of C, which then owns it; null on failure.
+/// Stream of such a file, which it then owns; null on failure.
 [[nodiscard]] std::FILE* streamOf(int descriptor) noexcept;
 
 [[nodiscard]] bool createFolder(const std::filesystem::path& path, bool owner_only) noexcept;

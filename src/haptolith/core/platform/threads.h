@@ -5,7 +5,7 @@
 
 namespace haptolith {
 
-/// Tells the processor that this thread polls. May be called in the tick.
+/// Pauses the processor for a moment, for a thread that polls. May be called in the tick.
 inline void relax() noexcept {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
@@ -34,7 +34,7 @@ int runThisThreadOn(const CpuSet& cpus) noexcept;
 /// tick.
 int setPriorityOfThisThread(int priority) noexcept;
 
-/// What the system calls scheduling with and without real-time priority.
+/// Name that the system gives to scheduling with and without real-time priority.
 [[nodiscard]] std::string_view schedulerName(bool real_time) noexcept;
 
 /// Lets the system wake the calling thread as soon as its time has come, instead of together with others.

@@ -34,7 +34,7 @@ UdpAddress socketAddressOf(std::string_view text) {
                          "machine only or 0.0.0.0:9050 for all machines");
 }
 
-/// An address in one number, which may be atomic. 0: nobody.
+/// An address in one number, which may be atomic. 0: none.
 std::uint64_t packed(const UdpAddress& address) noexcept {
   return std::uint64_t{address.host} << 16U | address.port;
 }

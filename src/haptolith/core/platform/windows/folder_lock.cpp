@@ -13,7 +13,7 @@
 
 namespace haptolith {
 
-// A file in the folder that nobody else can open meanwhile, and that vanishes when it is closed.
+// A file in the folder that no other process can open meanwhile, and that vanishes when it is closed.
 FolderLock::FolderLock(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / ".lock";
   int descriptor = -1;
