@@ -12,7 +12,8 @@ export WINEPREFIX=$folder/wine WINEDEBUG=-all
 failed=0
 
 say() { printf 'windows_dll.sh: %s\n' "$*"; }
-compare() {  # WHAT LINUX WINDOWS
+# compare NAME LINUX WINDOWS: whether both answers are equal.
+compare() {
   if [[ $2 == "$3" ]]; then say "$1: same"; else say "$1 differs: '$2' and '$3'"; failed=1; fi
 }
 
