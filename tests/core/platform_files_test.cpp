@@ -1,0 +1,108 @@
+#include "haptolith/core/platform/files.h"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "haptolith/core/platform/descriptor.h"
+#include "haptolith/core/platform/folder_lock.h"
+
+namespace haptolith {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PlatformFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::remove_all(folder_);  // of a test that was killed
+    ASSERT_TRUE(createFolder(folder_, true));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] fs::path write(const char* name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  static std::string read(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  /// With letters that are no ASCII, and a space.
+  fs::path folder_ = fs::path(testing::TempDir()) /
+                     fs::path(u8"plätze für dateien " + [] {
+                       const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+                       return std::u8string(test.begin(), test.end());
+                     }());
+};
+
+TEST_F(PlatformFiles, ANewFileIsWrittenFlushedAndNamed) {
+  const Descriptor made(createNewFile(folder_ / "part", true));
+  ASSERT_GE(made.number(), 0);
+  const std::string bytes(1 << 20, '\n');  // no line ends are translated
+  EXPECT_TRUE(writeBytes(made.number(), bytes));
+  EXPECT_TRUE(flushToDisk(made.number()));
+  EXPECT_EQ(fs::file_size(folder_ / "part"), bytes.size());
+}
+
+TEST_F(PlatformFiles, NoExistingFileIsOpenedAsANewOne) {
+  const fs::path there = write("there", "kept");
+  EXPECT_EQ(createNewFile(there, false), -1);
+  EXPECT_EQ(errno, EEXIST);
+  EXPECT_EQ(read(there), "kept");
+  EXPECT_FALSE(createFolder(folder_, false));
+  EXPECT_EQ(errno, EEXIST);
+}
+
+TEST_F(PlatformFiles, ARenamedFileReplacesOnlyIfItMay) {
+  const fs::path made = write("made", "new");
+  const fs::path there = write("there", "old");
+  EXPECT_FALSE(renameFile(made, there, false));
+  EXPECT_EQ(errno, EEXIST);
+  EXPECT_EQ(read(there), "old");
+  EXPECT_TRUE(renameFile(made, there, true));
+  EXPECT_EQ(read(there), "new");
+  EXPECT_FALSE(fs::exists(made));
+  EXPECT_TRUE(renameFile(there, made, false));
+  EXPECT_FALSE(renameFile(folder_ / "nothing", there, false));
+  EXPECT_EQ(errno, ENOENT);
+}
+
+TEST_F(PlatformFiles, AFileIsTheSameByEveryName) {
+  const fs::path one = write("one", "text");
+  const fs::path other = write("other", "text");
+  fs::create_hard_link(one, folder_ / "link");
+  ASSERT_TRUE(identityOf(one));
+  EXPECT_EQ(identityOf(one), identityOf(folder_ / "link"));
+  EXPECT_EQ(identityOf(one), identityOf(folder_ / "." / "one"));
+  EXPECT_NE(identityOf(one), identityOf(other));
+  EXPECT_FALSE(identityOf(folder_ / "nothing"));
+  EXPECT_TRUE(identityOf(folder_));
+}
+
+TEST_F(PlatformFiles, RandomNumbersDiffer) {
+  std::array<std::byte, 16> one{};
+  std::array<std::byte, 16> other{};
+  ASSERT_TRUE(fillWithRandom(one));
+  ASSERT_TRUE(fillWithRandom(other));
+  EXPECT_NE(one, other);
+}
+
+TEST_F(PlatformFiles, AFolderIsHeldByOneAtATime) {
+  {
+    const FolderLock lock(folder_);
+    EXPECT_TRUE(lock.held());
+    EXPECT_FALSE(FolderLock(folder_).held());
+  }
+  EXPECT_TRUE(FolderLock(folder_).held());
+  EXPECT_ANY_THROW(FolderLock(folder_ / "nothing"));
+}
+
+}  // namespace
+}  // namespace haptolith
