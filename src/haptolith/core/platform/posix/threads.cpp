@@ -14,11 +14,11 @@ namespace haptolith {
 
 namespace {
 
-static_assert(CpuSet().size() == CPU_SETSIZE);
+static_assert(CpuSet().size() >= CPU_SETSIZE);
 
 CpuSet cpuSetOf(const cpu_set_t& cpus) noexcept {
   CpuSet set;
-  for (std::size_t cpu = 0; cpu < set.size(); ++cpu) {
+  for (std::size_t cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
     set[cpu] = CPU_ISSET(cpu, &cpus);
   }
   return set;
@@ -49,7 +49,7 @@ CpuSet cpusOfThisThread() noexcept {
 int runThisThreadOn(const CpuSet& cpus) noexcept {
   cpu_set_t set;
   CPU_ZERO(&set);
-  for (std::size_t cpu = 0; cpu < cpus.size(); ++cpu) {
+  for (std::size_t cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
     if (cpus[cpu]) {
       CPU_SET(cpu, &set);
     }
