@@ -1,5 +1,3 @@
-#include "haptolith/core/platform/files.h"
-
 #include <gmock/gmock.h>
 
 #include <array>
@@ -10,6 +8,7 @@
 #include <string>
 
 #include "haptolith/core/platform/descriptor.h"
+#include "haptolith/core/platform/files.h"
 #include "haptolith/core/platform/folder_lock.h"
 
 namespace haptolith {
@@ -35,8 +34,7 @@ class PlatformFiles : public testing::Test {
   }
 
   /// With letters that are no ASCII, and a space.
-  fs::path folder_ = fs::path(testing::TempDir()) /
-                     fs::path(u8"plätze für dateien " + [] {
+  fs::path folder_ = fs::path(testing::TempDir()) / fs::path(u8"plätze für dateien " + [] {
                        const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
                        return std::u8string(test.begin(), test.end());
                      }());

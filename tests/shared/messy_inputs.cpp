@@ -78,7 +78,7 @@ void expectAsWritten(const Expectation& expected, const std::function<std::strin
 void expectAsWritten(const fs::path& folder, const Readers& readers, int fewest) {
   std::map<std::string, int> counts;
   for (const Expectation& expected : expectationsIn(folder)) {
-    const std::string name = *fs::path(expected.input).begin();
+    const std::string name = fs::path(expected.input).begin()->string();
     ++counts[name];
     expectAsWritten(expected, [&] {
       const Reading reading = readers.at(name)(folder / expected.input);
