@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 class PlatformFiles : public testing::Test {
  protected:
   void SetUp() override {
-    fs::remove_all(folder_);  // of a test that was killed
+    fs::remove_all(folder_);  // left by a test that was killed
     ASSERT_TRUE(createFolder(folder_, true));
   }
   void TearDown() override { fs::remove_all(folder_); }
