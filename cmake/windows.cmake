@@ -17,4 +17,4 @@ set(ENV{PKG_CONFIG_LIBDIR} ${root}/lib/pkgconfig)
 # Windows 10. Its header must not define min and max.
 add_compile_definitions(_WIN32_WINNT=0x0A00 NOMINMAX WIN32_LEAN_AND_MEAN _USE_MATH_DEFINES)
 set(CMAKE_CROSSCOMPILING_EMULATOR /usr/bin/env WINEDEBUG=-all /usr/lib/wine/wine64)
-set(CMAKE_EXE_LINKER_FLAGS_INIT -static)  # without files of the compiler beside each program
+set(CMAKE_EXE_LINKER_FLAGS_INIT -static)  # so that programs need no files of the compiler
