@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace haptolith {
 
@@ -39,12 +39,8 @@ bool closeFile(int descriptor) noexcept;
 [[nodiscard]] bool renameFile(const std::filesystem::path& made, const std::filesystem::path& name,
                               bool replaces) noexcept;
 
-/// A file, whatever its name.
-struct FileIdentity {
-  std::uint64_t volume = 0, number = 0;
-
-  [[nodiscard]] auto operator<=>(const FileIdentity&) const = default;
-};
+/// A file, whatever its name: the numbers of its volume and in it.
+using FileIdentity = std::pair<std::uint64_t, std::uint64_t>;
 [[nodiscard]] std::optional<FileIdentity> identityOf(const std::filesystem::path& path) noexcept;
 
 /// Folder of this user below which programs keep what they can make again, or what lasts; empty if there is none.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,7 +14,7 @@ struct UdpAddress {
   std::uint32_t host = 0;  ///< 127.0.0.1 is 0x7F000001
   std::uint16_t port = 0;
 
-  [[nodiscard]] auto operator<=>(const UdpAddress&) const = default;
+  [[nodiscard]] bool operator==(const UdpAddress&) const = default;
   [[nodiscard]] bool isThisMachine() const noexcept { return host >> 24U == 127; }
   /// "127.0.0.1:9050"
   [[nodiscard]] std::string text() const;
