@@ -43,7 +43,7 @@ bool closeFile(int descriptor) noexcept;
 using FileIdentity = std::pair<std::uint64_t, std::uint64_t>;
 [[nodiscard]] std::optional<FileIdentity> identityOf(const std::filesystem::path& path) noexcept;
 
-/// Folder of this user below which programs keep what they can make again, or what lasts; empty if there is none.
+/// Folders of this user for files that programs can make again, and for files that last; empty if there is none.
 [[nodiscard]] std::filesystem::path cacheHome();
 [[nodiscard]] std::filesystem::path stateHome();
 
