@@ -45,14 +45,14 @@ struct BandOptions {
 };
 
 Json windowsJson(const std::vector<BandWindow>& windows) {
-  Json json = Json::array();
+  Json json{{"windows", Json::array()}};
   for (const BandWindow& window : windows) {
-    json.push_back({{"force_n", window.mean.force_n},
-                    {"contacts", window.mean.contacts},
-                    {"particle_n", window.particle_n},
-                    {"low_n", window.band.low_n},
-                    {"high_n", window.band.high_n},
-                    {"reference_n", window.reference_n}});
+    json["windows"].push_back({{"force_n", window.mean.force_n},
+                               {"contacts", window.mean.contacts},
+                               {"particle_n", window.particle_n},
+                               {"low_n", window.band.low_n},
+                               {"high_n", window.band.high_n},
+                               {"reference_n", window.reference_n}});
   }
   return json;
 }
@@ -61,7 +61,7 @@ Json windowsJson(const std::vector<BandWindow>& windows) {
 std::vector<BandWindow> windowsFrom(const Json& json, const SceneFile& scene) {
   std::vector<BandWindow> windows;
   const double gravity_m_s2 = scene.bed.gravity_m_s2.norm();
-  for (const Json& window : json) {
+  for (const Json& window : json.at("windows")) {
     const auto at = [&](const char* key) { return window.at(key).get<double>(); };
     const MeanForce mean{at("force_n"), at("contacts")};
     windows.push_back({.mean = mean,
@@ -113,7 +113,13 @@ void runBand(const BandOptions& options) {
   for (std::size_t i = 0; i < count; ++i) {
     scenes.push_back(bandScene(options.first + i));
     if (const std::optional<Json> saved = folder.result(name(i))) {
-      windows[i] = windowsFrom(*saved, scenes[i]);
+      try {
+        windows[i] = windowsFrom(*saved, scenes[i]);
+      } catch (const Json::exception& error) {
+        throw Failure(
+            fmt::format("{} is not a result of lab force-band ({}): remove it, and --resume repeats the scene",
+                        folder.resultFile(name(i)).string(), error.what()));
+      }
     } else {
       missing.push_back(i);
     }

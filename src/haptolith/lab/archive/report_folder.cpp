@@ -39,7 +39,7 @@ Json read(const fs::path& path) {
   std::ifstream file = openInput(path, kMostReportBytes);
   Json json = Json::parse(file, nullptr, false);
   if (!json.is_object()) {
-    throw Failure(fmt::format("{} is not a result of lab report", path.string()));
+    throw Failure(fmt::format("{} is not a JSON object", path.string()));
   }
   return json;
 }

@@ -22,7 +22,7 @@ fs::path absolutePathIn(const char* variable) {
 }
 
 fs::path homeFor(const char* variable, const char* below_home) {
-  if (const fs::path folder = absolutePathIn(variable); !folder.empty()) {
+  if (fs::path folder = absolutePathIn(variable); !folder.empty()) {
     return folder;
   }
   const fs::path home = absolutePathIn("HOME");
