@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 namespace CLI {
 class App;
 }
@@ -15,7 +18,7 @@ namespace haptolith {
 void addCommands(CLI::App& app);
 /// Replaces this process by the executable that has the command; returns if this one has it.
 /// @throws Failure if no executable is found.
-void runWhatIsElsewhere(int argc, char** argv);
+void runWhatIsElsewhere(const std::vector<std::string>& arguments);
 
 /// Adds the commands common to both executables.
 void addProgramCommands(CLI::App& app);

@@ -2,10 +2,8 @@
 #include <fmt/format.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
@@ -21,6 +19,9 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/former_names.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/platform/descriptor.h"
+#include "haptolith/core/platform/terminal.h"
+#include "haptolith/core/platform/this_program.h"
 
 #include "commands.h"
 #include "shared/former_arguments.h"
@@ -71,7 +72,7 @@ class PostingSink final : public spdlog::sinks::base_sink<std::mutex> {
   void flush_() override {}
 
  private:
-  const bool coloured_ = isColoured(STDERR_FILENO);
+  const bool coloured_ = isColoured(kStandardError);
 };
 
 void logToStandardError() {
@@ -81,7 +82,7 @@ void logToStandardError() {
 }
 
 void printError(const std::string& message) {
-  const bool coloured = isColoured(STDERR_FILENO);
+  const bool coloured = isColoured(kStandardError);
   printNotice(
       fmt::format("haptolith: {}error:{} {}\n", coloured ? "\033[1;31m" : "", coloured ? "\033[0m" : "", message));
 }
@@ -177,17 +178,18 @@ ExitStatus run(CLI::App& app, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace haptolith;
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of the write, like a full disk
+  makeClosedPipesErrors();
+  prepareTerminals();
   try {
     logToStandardError();
     onFormerName(warn);
-    std::vector<std::string> arguments = currentArguments({argv, argv + argc});
+    std::vector<std::string> arguments = currentArguments(programArguments(argc, argv));
+    runWhatIsElsewhere(arguments);
     std::vector<char*> pointers;
     std::ranges::transform(arguments, std::back_inserter(pointers), [](std::string& text) { return text.data(); });
     pointers.push_back(nullptr);
     argc = static_cast<int>(arguments.size());
     argv = pointers.data();
-    runWhatIsElsewhere(argc, argv);
     CLI::App app{"haptolith: lunar and planetary soil simulated and rendered on a haptic device at 1 kHz", "haptolith"};
     app.set_version_flag("-V,--version", "haptolith " HAPTOLITH_VERSION, "Print the version");
     app.formatter(std::make_shared<HelpFormatter>());

@@ -3,19 +3,20 @@
 
 #include <CLI/App.hpp>
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <chrono>
 #include <cstddef>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/child_process.h"
+#include "haptolith/core/platform/files.h"
+#include "haptolith/core/platform/this_program.h"
 
 #include "commands.h"
 #include "shared/output.h"
@@ -45,6 +46,7 @@ constexpr std::array kElsewhere{CommandElsewhere{"lab", kLabDescription},
 /// Folder of the installed workbench, relative to that of this program.
 constexpr const char* kInstalled = HAPTOLITH_WORKBENCH_FROM_PROGRAM;
 constexpr const char* kName = "haptolith-workbench";
+constexpr std::chrono::hours kMostBuilding{24};
 
 /// Returns the build folder that contains this program; empty if it is installed.
 fs::path buildFolder(const fs::path& program) {
@@ -52,23 +54,23 @@ fs::path buildFolder(const fs::path& program) {
   return fs::exists(folder / "build.ninja") ? folder : fs::path();
 }
 
-/// Runs ninja with its output on standard error. @throws Failure.
+/// Runs ninja, with its output on standard error. @throws Failure.
 void build(const fs::path& folder) {
-  const pid_t child = fork();
-  if (child == 0) {
-    dup2(STDERR_FILENO, STDOUT_FILENO);
-    execlp("ninja", "ninja", "-C", folder.c_str(), kName, nullptr);
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+  const Descriptor terminal(copyOf(kStandardError));
+  ChildProcess ninja({.arguments = {"ninja", "-C", folder.string(), kName},
+                      .package = "ninja-build",
+                      .environment = {},
+                      .most_cpu = kMostBuilding},
+                     {{terminal, kStandardOutput}, {terminal, kStandardError}});
+  if (!ninja.wait(kMostBuilding)) {
     throw Failure(fmt::format("cannot build {}; try: ninja -C {} {}", kName, folder.string(), kName));
   }
 }
 
 fs::path workbench(std::string_view command) {
-  const fs::path program = fs::read_symlink("/proc/self/exe");
-  for (const fs::path& file : {program.parent_path() / kName, program.parent_path() / kInstalled / kName}) {
+  const fs::path program = programFile();
+  const std::string name = programFileName(kName);
+  for (const fs::path& file : {program.parent_path() / name, program.parent_path() / kInstalled / name}) {
     if (fs::exists(file)) {
       return file;
     }
@@ -81,14 +83,14 @@ fs::path workbench(std::string_view command) {
   }
   printNotice(fmt::format("building haptolith {} for its first use, which takes some minutes\n", command));
   build(folder);
-  return program.parent_path() / kName;
+  return program.parent_path() / name;
 }
 
 /// Whether the command line begins with the words of the command.
-bool isAsked(const CommandElsewhere& command, int argc, char** argv) {
+bool isAsked(const CommandElsewhere& command, const std::vector<std::string>& arguments) {
   std::string words;
-  for (int i = 1; i < argc; ++i) {
-    words += argv[i];
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    words += arguments[i];
     words += ' ';
   }
   return words.starts_with(std::string(command.name) + ' ');
@@ -106,16 +108,15 @@ void addCommands(CLI::App& app) {
   }
 }
 
-void runWhatIsElsewhere(int argc, char** argv) {
+void runWhatIsElsewhere(const std::vector<std::string>& arguments) {
   const auto* asked =
-      std::ranges::find_if(kElsewhere, [&](const CommandElsewhere& command) { return isAsked(command, argc, argv); });
+      std::ranges::find_if(kElsewhere, [&](const CommandElsewhere& command) { return isAsked(command, arguments); });
   if (asked == kElsewhere.end()) {
     return;
   }
   const fs::path file = workbench(asked->name);
   printPosted();
-  execv(file.c_str(), argv);
-  throw Failure(fmt::format("cannot start {}: {}", file.string(), std::strerror(errno)));
+  becomeProgram(file, arguments);
 }
 
 }  // namespace haptolith

@@ -19,6 +19,6 @@ void addCommands(CLI::App& app) {
   addCompletionCommand(app);
 }
 
-void runWhatIsElsewhere(int, char**) {}
+void runWhatIsElsewhere(const std::vector<std::string>& /*arguments*/) {}
 
 }  // namespace haptolith

@@ -9,7 +9,7 @@
 
 #include "haptolith/core/platform/descriptor.h"
 #include "haptolith/core/platform/files.h"
-#include "haptolith/core/platform/folder_lock.h"
+#include "haptolith/core/platform/locks.h"
 
 namespace haptolith {
 namespace {

@@ -1,11 +1,11 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <memory>
 #include <string>
 
+#include "haptolith/core/platform/descriptor.h"
 #include "haptolith/device/drivers/open_device.h"
 #include "haptolith/scene_file/scene_words.h"
 
@@ -69,7 +69,7 @@ void listDevices(const DevicesOptions& options) {
   }
   std::string text;
   for (const DeviceReport& report : reports) {
-    text += reportText(report, isColoured(STDOUT_FILENO));
+    text += reportText(report, isColoured(kStandardOutput));
   }
   printText(text);
 }

@@ -1,7 +1,6 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <algorithm>
 #include <memory>
@@ -12,6 +11,7 @@
 
 #include "haptolith/bed/start/tile_cache.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/descriptor.h"
 #include "haptolith/machine/check.h"
 #include "haptolith/machine/machine_fit.h"
 #include "haptolith/machine/machine_summary.h"
@@ -229,7 +229,7 @@ void doctor(const DoctorOptions& options) {
   if (options.json) {
     printJson(reportJson(checks, measured, soil));
   } else {
-    printText(reportText(checks, measured, soil, Paint(isColoured(STDOUT_FILENO))));
+    printText(reportText(checks, measured, soil, Paint(isColoured(kStandardOutput))));
   }
   if (worst(checks) == Fitness::kInsufficient) {
     throw Failure(fmt::format("the loop cannot run in real time here: {}", namesOf(checks, Fitness::kInsufficient)));

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -21,7 +19,9 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/plain_text.h"
 #include "haptolith/core/platform/clock.h"
+#include "haptolith/core/platform/descriptor.h"
 #include "haptolith/core/platform/start_thread.h"
+#include "haptolith/core/platform/terminal.h"
 
 namespace haptolith {
 
@@ -119,14 +119,11 @@ constexpr std::string_view kEraseLine = "\r\033[K";
 
 /// Cuts a line of UTF-8 to the width of the terminal; returns all of it if the width is unknown.
 std::string_view cutToTerminal(std::string_view line) {
-  winsize size{};
-  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
-    return line;
-  }
-  int letters = 0;
+  const std::size_t columns = terminalColumns(kStandardError);
+  std::size_t letters = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const bool begins_letter = (static_cast<unsigned char>(line[i]) & 0xC0U) != 0x80U;
-    if (begins_letter && ++letters == size.ws_col) {  // the last column stays empty: some terminals wrap after it
+    if (begins_letter && ++letters == columns) {  // the last column stays empty: some terminals wrap after it
       return line.substr(0, i);
     }
   }
@@ -194,10 +191,6 @@ void printNotice(std::string_view text) noexcept {
   }
 }
 
-bool isTerminal(int descriptor) noexcept {
-  return isatty(descriptor) == 1;
-}
-
 bool isColoured(int descriptor) noexcept {
   const char* no_color = std::getenv("NO_COLOR");
   const char* terminal = std::getenv("TERM");
@@ -207,8 +200,8 @@ bool isColoured(int descriptor) noexcept {
 }
 
 StatusLine::StatusLine()
-    : visible_(isTerminal(STDERR_FILENO)),
-      coloured_(isColoured(STDERR_FILENO)),
+    : visible_(isTerminal(kStandardError)),
+      coloured_(isColoured(kStandardError)),
       next_line_ns_(monotonicNs() + kLineIntervalNs) {}
 
 StatusLine::~StatusLine() {

@@ -21,8 +21,6 @@ void printText(std::string_view text);
 /// cannot be reported.
 void printNotice(std::string_view text) noexcept;
 
-[[nodiscard]] bool isTerminal(int descriptor) noexcept;
-
 /// Whether to colour output to `descriptor`: it is a terminal, without NO_COLOR and TERM=dumb.
 [[nodiscard]] bool isColoured(int descriptor) noexcept;
 

@@ -1,7 +1,6 @@
 #include <CLI/App.hpp>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cctype>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/files.h"
 #include "haptolith/core/pluralise.h"
 #include "haptolith/scene_file/scene_words.h"
 #include "haptolith/session/session.h"
@@ -344,7 +344,7 @@ void addRunOptions(CLI::App& command, const std::shared_ptr<StudyRunOptions>& op
   options->web.addToStudy(command);
   command.callback([options] {
     const StopOnSignal stop_on_signal;
-    umask(077);  // only the experimenter may read recordings of participants
+    makeNewFilesPrivate();  // only the experimenter may read recordings of participants
     StudyRun(*options, options->web.forStudy()).run();
   });
 }

@@ -48,7 +48,7 @@ class DataFile {
   DataFile(const std::filesystem::path& path, const std::filesystem::path& shown)
       : writing_(fmt::format("write {}", shown.string())) {
     prepareThread();
-    file_ = handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), writing_.c_str());
+    file_ = handle(H5Fcreate(path.string().c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), writing_.c_str());
   }
 
   /// Writes a dataset of one dimension, or of rows of `columns` values each when that is not 0.

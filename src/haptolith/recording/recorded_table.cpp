@@ -1,17 +1,18 @@
 #include "haptolith/recording/recorded_table.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/files.h"
 #include "haptolith/recording/recording_types.h"
 
 namespace haptolith::hdf5 {
@@ -47,22 +48,22 @@ std::string difference(hid_t found, hid_t wanted) {
 
 }  // namespace
 
-RawFile::RawFile(const std::filesystem::path& path) : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-  struct stat status {};
-  if (file_.number() < 0 || fstat(file_.number(), &status) != 0) {
+RawFile::RawFile(const std::filesystem::path& path) : file_(openForReading(path)) {
+  const std::optional<std::uint64_t> size = file_.number() < 0 ? std::nullopt : sizeOf(file_.number());
+  if (!size) {
     throw Failure(std::strerror(errno));
   }
-  if (!S_ISREG(status.st_mode)) {
+  if (!std::filesystem::is_regular_file(path)) {
     throw Failure("it is not a regular file");
   }
-  size_ = static_cast<std::uint64_t>(status.st_size);
+  size_ = *size;
 }
 
 void RawFile::requireOurFormat() {
   constexpr std::size_t kVersionAt = 8, kAddressBytesAt = 9, kFlagsAt = 11, kBaseAt = 12, kExtensionAt = 20,
                         kRootAt = 36;
   std::array<char, 48> block{};
-  if (pread(file_.number(), block.data(), block.size(), 0) != static_cast<ssize_t>(block.size()) ||
+  if (readAt(file_.number(), 0, std::as_writable_bytes(std::span(block))) != std::ssize(block) ||
       std::memcmp(block.data(), "\211HDF\r\n\032\n", 8) != 0) {
     throw Failure("it is not an HDF5 file");
   }
@@ -82,7 +83,8 @@ void RawFile::requireOurFormat() {
 void RawFile::requireObject(std::uint64_t address, const std::string& name) const {
   constexpr char kVersion = 2;
   std::array<char, 5> begin{};
-  if (address >= size_ || pread(file_.number(), begin.data(), begin.size(), static_cast<off_t>(address)) != 5 ||
+  if (address >= size_ ||
+      readAt(file_.number(), address, std::as_writable_bytes(std::span(begin))) != std::ssize(begin) ||
       std::memcmp(begin.data(), "OHDR", 4) != 0 || begin[4] != kVersion) {
     throw Failure(fmt::format("{} is damaged", name));
   }

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "haptolith/core/platform/child_process.h"
+#include "haptolith/core/platform/descriptor.h"
 #include "haptolith/recording/hdf5_handle.h"
 
 namespace haptolith::hdf5 {

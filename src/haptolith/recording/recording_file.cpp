@@ -1,9 +1,6 @@
 #include "haptolith/recording/recording_file.h"
 
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <string_view>
@@ -12,7 +9,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
-#include "haptolith/core/platform/child_process.h"
+#include "haptolith/core/platform/files.h"
 #include "haptolith/core/pluralise.h"
 
 namespace haptolith::hdf5 {
@@ -100,7 +97,7 @@ Handle createFile(const fs::path& path) {
   boundMemory(access);
   const Handle creation = handle(H5Pcreate(H5P_FILE_CREATE), "make a property list");
   done(H5Pset_attr_phase_change(creation.id(), 64, 0), "choose the format");  // the header stays in one place
-  return handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, creation.id(), access.id()), "create it");
+  return handle(H5Fcreate(path.string().c_str(), H5F_ACC_EXCL, creation.id(), access.id()), "create it");
 }
 
 /// Copies at most as many bytes as there is room for, no part of a letter.
@@ -172,12 +169,15 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
   prepareThread();
   requireFree(path_, overwrite);
   // Under its own name the file is there as soon as a killed program would leave one that opens, and not before.
-  const fs::path making = temporaryBeside(path_, "part");
+  const fs::path making = kOpenFilesCanBeRenamed ? temporaryBeside(path_, "part") : path_;
   all_ = {&ticks_, &position_, &frames_, &events_};
   if (robot) {
     all_.insert(all_.end(), {&reports_, &site_});
   }
   try {
+    if (making == path_) {
+      fs::remove(path_);  // as requireFree() allows
+    }
     file_ = createFile(making);
     writeHeader(file_, header);
     writeEntry(file_, kMissingTicks, std::uint64_t{0});
@@ -212,7 +212,9 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
     makeTools(header);
     done(H5Fstart_swmr_write(file_.id()), "start writing");
     std::error_code failed;
-    fs::rename(making, path_, failed);
+    if (making != path_) {
+      fs::rename(making, path_, failed);
+    }
     if (failed) {
       throw Failure(failed.message());
     }
@@ -319,8 +321,7 @@ void RecordingFile::write(std::size_t ticks) {
   if (!hasUnwritten()) {
     return;
   }
-  struct stat now {};
-  if (fstat(descriptor(), &now) == 0 && now.st_nlink == 0) {
+  if (wasRemoved(descriptor())) {
     throw Failure("the file was removed");
   }
   ticks_.append(unwritten_ticks_.data(), ticks);
@@ -367,8 +368,7 @@ void RecordingFile::close() {
 void RecordingFile::abandon() noexcept {
   // HDF5 would try again to write what it could not, and part of that might succeed: from now on it writes to nowhere.
   if (file_.id() >= 0) {
-    const Descriptor nowhere(memfd_create("haptolith", MFD_CLOEXEC));
-    dup2(nowhere.number(), descriptor());
+    discardWrites(descriptor());
   }
   for (Growing* each : all_) {
     each->close();
@@ -377,8 +377,7 @@ void RecordingFile::abandon() noexcept {
 }
 
 std::uint64_t RecordingFile::bytes() const {
-  struct stat now {};
-  return fstat(descriptor(), &now) == 0 ? static_cast<std::uint64_t>(now.st_size) : 0;
+  return sizeOf(descriptor()).value_or(0);
 }
 
 int RecordingFile::descriptor() const {

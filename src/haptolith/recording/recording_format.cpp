@@ -3,7 +3,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
@@ -13,6 +12,7 @@
 
 #include "haptolith/bed/kernel/simd_target.h"
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/this_program.h"
 #include "haptolith/scene_file/scene_file.h"
 
 namespace haptolith {
@@ -37,8 +37,7 @@ std::string whyOtherBits(const RecordingHeader& header) {
 
 void stampNow(RecordingHeader& header) {
   header.started_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  std::array<char, 256> name{};
-  header.host = gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+  header.host = hostName();
 }
 
 ParticleFrame particleFrame(const SceneSnapshot& snapshot) {

@@ -99,12 +99,12 @@ Handle openFile(const std::filesystem::path& path) {
   // Data that does not match its checksum is read again, because the writer may be writing it, but not a hundred times
   // with pauses that double each time, which for a damaged file would never end.
   done(H5Pset_metadata_read_attempts(access.id(), 10), "choose how often to read");
-  const hid_t finished = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
+  const hid_t finished = H5Fopen(path.string().c_str(), H5F_ACC_RDONLY, access.id());
   if (finished >= 0) {
     return Handle(finished);
   }
   const std::string why = reason();
-  const hid_t unfinished = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
+  const hid_t unfinished = H5Fopen(path.string().c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
   if (unfinished < 0) {
     throw Failure(why);
   }

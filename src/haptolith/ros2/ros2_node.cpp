@@ -3,7 +3,6 @@
 #include <dds/dds.h>
 #include <fmt/format.h>
 #include <ros2_messages.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/platform/this_program.h"
 
 namespace haptolith {
 
@@ -39,7 +39,7 @@ std::string discoveryOff() {
       R"(<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo"/></Interfaces>)"
       R"(<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>none</ParticipantIndex>)"
       R"(<Tag>haptolith-discovery-off-{}</Tag></Discovery></Domain></CycloneDDS>)",
-      getpid());
+      processNumber());
 }
 
 // DDS reports each malformed message, and any sender may send any number of those.

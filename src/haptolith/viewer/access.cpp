@@ -1,14 +1,15 @@
 #include "haptolith/viewer/access.h"
 
 #include <fmt/format.h>
-#include <sys/random.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdint>
+#include <span>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/files.h"
 
 namespace haptolith {
 
@@ -109,7 +110,7 @@ void requireGoodToken(std::string_view token, std::string_view key) {
 
 std::string newToken() {
   std::array<std::uint8_t, 16> bits{};
-  if (getrandom(bits.data(), bits.size(), 0) != static_cast<ssize_t>(bits.size())) {
+  if (!fillWithRandom(std::as_writable_bytes(std::span(bits)))) {
     throw Failure("cannot generate a token: the system provides no random numbers");
   }
   std::string token;

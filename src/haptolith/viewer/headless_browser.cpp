@@ -1,12 +1,13 @@
 #include "haptolith/viewer/headless_browser.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -14,6 +15,8 @@
 #include "haptolith/core/base64.h"
 #include "haptolith/core/error.h"
 #include "haptolith/core/platform/child_process.h"
+#include "haptolith/core/platform/files.h"
+#include "haptolith/core/platform/this_program.h"
 
 // Chromium is steered through two pipes with JSON messages that end in a zero byte (--remote-debugging-pipe; the
 // commands are those of https://chromedevtools.github.io/devtools-protocol). A port would be open to every user
@@ -41,11 +44,13 @@ constexpr const char* kPackage = "chromium";
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "haptolith-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw Failure(fmt::format("cannot create a folder in {}", fs::temp_directory_path().string()));
+    std::uint64_t number = 0;
+    const fs::path folder = fs::temp_directory_path();
+    if (!fillWithRandom(std::as_writable_bytes(std::span(&number, 1))) ||
+        !createFolder(folder / fmt::format("haptolith-{:016x}", number), true)) {
+      throw Failure(fmt::format("cannot create a folder in {}", folder.string()));
     }
-    path_ = name;
+    path_ = (folder / fmt::format("haptolith-{:016x}", number)).string();
   }
   ~TemporaryFolder() {
     // Processes that were killed a moment ago may still be writing their last.
@@ -67,23 +72,10 @@ class TemporaryFolder {
   std::string path_;
 };
 
-bool isInPath(const std::string& program) {
-  const char* const path = std::getenv("PATH");
-  std::string_view folders = path == nullptr ? "" : path;
-  while (!folders.empty()) {
-    const std::string_view folder = folders.substr(0, folders.find(':'));
-    folders.remove_prefix(std::min(folder.size() + 1, folders.size()));
-    if (!folder.empty() && access((fs::path(folder) / program).c_str(), X_OK) == 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /// The name or path to start Chromium by.
 std::string chromium() {
   if (const char* named = std::getenv("HAPTOLITH_CHROMIUM"); named != nullptr && *named != '\0') {
-    if (access(named, X_OK) != 0) {
+    if (!isProgram(named)) {
       throw Failure(
           fmt::format("HAPTOLITH_CHROMIUM={} is not a program; unset it to use the installed Chromium: apt install {}",
                       named, kPackage));
@@ -91,7 +83,7 @@ std::string chromium() {
     return named;
   }
   for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
-    if (isInPath(name)) {
+    if (!programInPath(name).empty()) {
       return name;
     }
   }
@@ -113,7 +105,7 @@ ChildProcess::Command commandFor(const HeadlessBrowser::Options& options, const 
       .package = kPackage,
       .environment = {"TMPDIR=" + folder},
       .most_cpu = std::chrono::hours(24)};  // an hour of film is drawn in some hours
-  if (geteuid() == 0) {
+  if (hasAllRights()) {
     command.arguments.emplace_back("--no-sandbox");  // Chromium refuses to start as root otherwise
   }
   return command;

@@ -1,48 +1,76 @@
 #include "haptolith/viewer/waiting_page.h"
 
-#include <arpa/inet.h>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <sys/time.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "haptolith/core/platform/start_thread.h"
+#include "haptolith/viewer/web_listener.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr double kAtRest_m_s = 1e-4;
-constexpr int kWaitingPorts = 100;  ///< as WebServer
-constexpr int kPatience_ms = 100;
+namespace asio = boost::asio;
+using Error = boost::system::error_code;
 
-/// Opens a socket that listens on an IPv4 address; -1 on failure.
-int listenOn(const std::string& bind_to, std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  const std::string name = bind_to == "localhost" ? "127.0.0.1" : bind_to;
-  if (inet_pton(AF_INET, name.c_str(), &address.sin_addr) != 1) {
-    return -1;
-  }
-  const int made = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const int on = 1;
-  setsockopt(made, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  // The address of any protocol is passed as the general kind: that is how the system is asked.
-  if (made >= 0 &&
-      (bind(made, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || listen(made, SOMAXCONN) != 0)) {
-    close(made);
-    return -1;
-  }
-  return made;
+constexpr double kAtRest_m_s = 1e-4;
+constexpr std::chrono::milliseconds kPatience{100};
+
+std::string responseThatSays(const std::string& sentence) {
+  const std::string page = fmt::format(
+      "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
+      "<title>haptolith: {0}</title><body style='font:18px system-ui;background:#0d1216;color:#e3eaef;"
+      "display:grid;place-items:center;height:90vh'><p role=status>{0}</p>",
+      sentence);
+  return fmt::format(
+      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/html\r\nContent-Length: {}\r\nRefresh: 1\r\n"
+      "Retry-After: 1\r\nCache-Control: no-store\r\nContent-Security-Policy: default-src 'none'; style-src "
+      "'unsafe-inline'\r\nConnection: close\r\n\r\n{}",
+      page.size(), page);
 }
+
+/// One request and its answer; closed when they take too long.
+struct Visit : std::enable_shared_from_this<Visit> {
+  explicit Visit(asio::ip::tcp::socket from) : socket(std::move(from)), patience(socket.get_executor(), kPatience) {}
+
+  void answer(std::string with) {
+    response = std::move(with);
+    patience.async_wait([self = shared_from_this()](Error stopped) {
+      if (!stopped) {
+        Error ignored;
+        self->socket.close(ignored);
+      }
+    });
+    socket.async_read_some(asio::buffer(request), [self = shared_from_this()](Error error, std::size_t /*bytes*/) {
+      if (!error) {
+        self->write();
+      }
+    });
+  }
+
+  void write() {
+    asio::async_write(socket, asio::buffer(response), [self = shared_from_this()](Error, std::size_t /*bytes*/) {
+      Error ignored;
+      self->socket.shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+      self->patience.cancel();
+    });
+  }
+
+  asio::ip::tcp::socket socket;
+  asio::steady_timer patience;
+  std::array<char, 4096> request{};
+  std::string response;
+};
 
 }  // namespace
 
@@ -54,81 +82,73 @@ double SettledFraction::update(double speed_m_s) noexcept {
   return fraction_;
 }
 
+class WaitingPage::Implementation {
+ public:
+  explicit Implementation(const WebServerOptions& options) {
+    if (const Error error = listenAsAsked(acceptor_, options); !error) {
+      port_ = acceptor_.local_endpoint().port();
+      accept();
+      thread_ = startThread("the page that waits", [this] { io_.run(); });
+    }
+  }
+  ~Implementation() {
+    io_.stop();
+    if (thread_.joinable()) {
+      thread_.join();
+    }
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
+
+  void say(std::string sentence) {
+    const std::scoped_lock lock(mutex_);
+    sentence_ = std::move(sentence);
+  }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](Error error, asio::ip::tcp::socket socket) {
+      if (!error) {
+        std::make_shared<Visit>(std::move(socket))->answer(response());
+      }
+      pause_.expires_after(error ? kPatience : std::chrono::milliseconds(0));  // as when there are too many open files
+      pause_.async_wait([this](Error stopped) {
+        if (!stopped) {
+          accept();
+        }
+      });
+    });
+  }
+
+  std::string response() {
+    const std::scoped_lock lock(mutex_);
+    return responseThatSays(sentence_);
+  }
+
+  asio::io_context io_{1};
+  asio::ip::tcp::acceptor acceptor_{io_};
+  asio::steady_timer pause_{io_};
+  std::uint16_t port_ = 0;
+  std::mutex mutex_;
+  std::string sentence_ = "soil settles";
+  std::thread thread_;
+};
+
 WaitingPage::WaitingPage(const WebServerOptions& options) {
-  if (options.port == 0) {
-    return;
+  if (options.port != 0) {
+    implementation_ = std::make_unique<Implementation>(options);
+    port_ = implementation_->port();
   }
-  for (int i = 0; i < (options.other_ports ? kWaitingPorts : 1) && listener_ < 0; ++i) {
-    port_ = static_cast<std::uint16_t>(options.port + i);
-    listener_ = listenOn(options.bind, port_);
-  }
-  if (listener_ < 0) {
-    port_ = 0;
-    return;
-  }
-  thread_ = startThread("the page that waits", [this] { serve(); });
 }
 
-WaitingPage::~WaitingPage() {
-  ends_ = true;
-  if (thread_.joinable()) {
-    thread_.join();
-  }
-  if (listener_ >= 0) {
-    close(listener_);
-  }
-}
+WaitingPage::~WaitingPage() = default;
 
 void WaitingPage::say(std::string sentence) {
-  const std::scoped_lock lock(mutex_);
-  sentence_ = std::move(sentence);
-}
-
-void WaitingPage::serve() {
-  while (!ends_) {
-    pollfd waits{.fd = listener_, .events = POLLIN, .revents = 0};
-    if (poll(&waits, 1, kPatience_ms) <= 0) {
-      continue;
-    }
-    if (const int client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC); client >= 0) {
-      answer(client);
-      close(client);
-    }
+  if (implementation_) {
+    implementation_->say(std::move(sentence));
   }
-}
-
-void WaitingPage::answer(int client) {
-  const timeval patience{.tv_sec = 0, .tv_usec = 1000 * kPatience_ms};
-  setsockopt(client, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  setsockopt(client, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-  std::array<char, 4096> request{};
-  if (recv(client, request.data(), request.size(), 0) <= 0) {
-    return;
-  }
-  std::string sentence;
-  {
-    const std::scoped_lock lock(mutex_);
-    sentence = sentence_;
-  }
-  const std::string page = fmt::format(
-      "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
-      "<title>haptolith: {0}</title><body style='font:18px system-ui;background:#0d1216;color:#e3eaef;"
-      "display:grid;place-items:center;height:90vh'><p role=status>{0}</p>",
-      sentence);
-  const std::string response = fmt::format(
-      "HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/html\r\nContent-Length: {}\r\nRefresh: 1\r\n"
-      "Retry-After: 1\r\nCache-Control: no-store\r\nContent-Security-Policy: default-src 'none'; style-src "
-      "'unsafe-inline'\r\nConnection: close\r\n\r\n{}",
-      page.size(), page);
-  std::size_t sent = 0;
-  while (sent < response.size()) {
-    const ssize_t more = send(client, response.data() + sent, response.size() - sent, MSG_NOSIGNAL);
-    if (more <= 0) {
-      return;
-    }
-    sent += static_cast<std::size_t>(more);
-  }
-  shutdown(client, SHUT_WR);
 }
 
 }  // namespace haptolith

@@ -1,10 +1,8 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <mutex>
+#include <memory>
 #include <string>
-#include <thread>
 
 #include "haptolith/viewer/web_server.h"
 
@@ -36,15 +34,10 @@ class WaitingPage {
   void say(std::string sentence);
 
  private:
-  void serve();
-  void answer(int client);
+  class Implementation;
 
-  int listener_ = -1;
   std::uint16_t port_ = 0;
-  std::mutex mutex_;
-  std::string sentence_ = "soil settles";
-  std::atomic<bool> ends_{false};
-  std::thread thread_;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 }  // namespace haptolith

@@ -6,14 +6,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <fmt/format.h>
-#include <ifaddrs.h>
-#include <net/if.h>
-#include <netinet/in.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <iterator>
@@ -25,27 +20,23 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/platform/start_thread.h"
+#include "haptolith/core/platform/this_program.h"
+#include "haptolith/core/platform/udp_socket.h"
 #include "haptolith/viewer/access.h"
+#include "haptolith/viewer/web_listener.h"
 #include "haptolith/viewer/web_visitor.h"
 
 namespace haptolith {
 
 namespace {
 
-constexpr rlim_t kFilesForAll = 4096;
+constexpr std::size_t kFilesForAll = 4096;
 constexpr std::size_t kFilesOfOthers = 256;         // clients, recordings and whatever the rest of the program opens
 constexpr std::size_t kMostBytesWaiting = 131'072;  // of a client
 constexpr std::size_t kMostEventsWaiting = 2048;    // of a client
 constexpr double kGuessesPerS = 1;                  // of a network, after kMostGuesses at once
 constexpr std::size_t kMostGuessing = 1024;         // networks that are remembered
-constexpr int kPortsTried = 100;
 constexpr auto kWithoutFiles = 10ms;  // pause when the system gives no socket, as when there are too many open files
-
-std::optional<asio::ip::address> addressOf(const WebServerOptions& options) {
-  beast::error_code error;
-  const auto address = asio::ip::make_address(options.bind == "localhost" ? "127.0.0.1" : options.bind, error);
-  return error ? std::nullopt : std::optional(address);
-}
 
 asio::ip::address loopbackOf(const asio::ip::address& any) {
   return any.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())
@@ -54,38 +45,14 @@ asio::ip::address loopbackOf(const asio::ip::address& any) {
 
 /// The first address of this machine that others can reach. An IPv4 address, which also reaches listeners on "::".
 std::optional<asio::ip::address> addressForOthers() {
-  ifaddrs* all = nullptr;
-  if (getifaddrs(&all) != 0) {
-    return std::nullopt;
-  }
-  std::optional<asio::ip::address> found;
-  for (const ifaddrs* one = all; one != nullptr && !found; one = one->ifa_next) {
-    const bool usable = one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET &&
-                        (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
-    if (usable) {
-      sockaddr_in address{};
-      std::memcpy(&address, one->ifa_addr, sizeof address);
-      found = asio::ip::address_v4(ntohl(address.sin_addr.s_addr));
-    }
-  }
-  freeifaddrs(all);
-  return found;
+  const std::optional<std::uint32_t> host = hostForOthers();
+  return host ? std::optional<asio::ip::address>(asio::ip::address_v4(*host)) : std::nullopt;
 }
 
 /// Raises the limit of open files if the system allows it, and returns it. At least twice
 /// kFilesOfOthers is reported: with less, connections are dropped when files run out.
 std::size_t filesForAll() {
-  rlimit files{};
-  if (getrlimit(RLIMIT_NOFILE, &files) != 0) {
-    return 2 * kFilesOfOthers;
-  }
-  if (files.rlim_cur < kFilesForAll) {
-    const rlimit more{std::min(kFilesForAll, files.rlim_max), files.rlim_max};
-    if (more.rlim_cur > files.rlim_cur && setrlimit(RLIMIT_NOFILE, &more) == 0) {
-      files = more;
-    }
-  }
-  return std::max<std::size_t>(2 * kFilesOfOthers, std::min(files.rlim_cur, kFilesForAll));
+  return std::max<std::size_t>(2 * kFilesOfOthers, std::min(raiseFileLimit(kFilesForAll), kFilesForAll));
 }
 
 }  // namespace
@@ -116,25 +83,7 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
       takes_uploads(options.takes_uploads),
       loopback_only(isLoopback(options.bind)) {
   validate(options);
-  const asio::ip::address ip = *addressOf(options);
-  beast::error_code error;
-  const int tried = options.other_ports ? kPortsTried : 1;
-  for (int i = 0; i < tried; ++i) {
-    const auto port = static_cast<std::uint16_t>(options.port == 0 ? 0 : options.port + i);
-    const Tcp::endpoint endpoint(ip, port);
-    acceptor = Tcp::acceptor(io);
-    acceptor.open(endpoint.protocol(), error);
-    if (!error) {
-      acceptor.set_option(asio::socket_base::reuse_address(true), error);
-      acceptor.bind(endpoint, error);
-    }
-    if (!error) {
-      acceptor.listen(asio::socket_base::max_listen_connections, error);
-    }
-    if (!error || error != asio::error::address_in_use || port == 65535) {
-      break;
-    }
-  }
+  const beast::error_code error = listenAsAsked(acceptor, options);
   if (error) {
     throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
   }

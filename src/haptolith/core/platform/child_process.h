@@ -37,9 +37,6 @@ struct Deadline {
 /// All that is in a file, from its beginning.
 [[nodiscard]] std::string contentOf(const Descriptor& file);
 
-/// Numbers under which a program finds what it reads, writes and complains to.
-inline constexpr int kStandardInput = 0, kStandardOutput = 1, kStandardError = 2;
-
 /// Another program that works for us. It is killed with this object, and with it all that it has started; it is killed
 /// as well when the thread that started it ends, so also when this whole program is killed; and none of them takes more
 /// time of a processor than `most_cpu`. Signals from the terminal do not reach it: who started it decides what Ctrl-C

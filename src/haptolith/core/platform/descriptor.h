@@ -6,6 +6,9 @@
 
 namespace haptolith {
 
+/// Numbers under which a program finds what it reads, writes and complains to.
+inline constexpr int kStandardInput = 0, kStandardOutput = 1, kStandardError = 2;
+
 /// A file descriptor that is closed with the object, and that no child inherits by accident.
 class Descriptor {
  public:

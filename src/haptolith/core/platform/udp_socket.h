@@ -23,6 +23,16 @@ struct UdpAddress {
 /// Reads "127.0.0.1:9050" or "localhost:9050".
 [[nodiscard]] std::optional<UdpAddress> udpAddressIn(std::string_view text);
 
+/// Whether a socket with SO_REUSEADDR takes a port away from the program that has it.
+#ifdef _WIN32
+inline constexpr bool kReuseTakesPortsInUse = true;
+#else
+inline constexpr bool kReuseTakesPortsInUse = false;
+#endif
+
+/// IPv4 address by which other machines reach this one; none without a network. Not for the tick.
+[[nodiscard]] std::optional<std::uint32_t> hostForOthers();
+
 /// A socket that receives and sends datagrams and never waits.
 class UdpSocket {
  public:

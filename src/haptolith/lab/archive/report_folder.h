@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "haptolith/core/platform/folder_lock.h"
+#include "haptolith/core/platform/locks.h"
 
 namespace haptolith {
 

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 #include <sodium.h>
-#include <sys/utsname.h>
 
 #include <array>
 #include <fstream>
+
+#include "haptolith/core/platform/this_program.h"
 
 namespace haptolith {
 
@@ -28,13 +29,9 @@ std::string valueIn(const std::filesystem::path& file, std::string_view key, cha
 }  // namespace
 
 Machine thisMachine(const std::filesystem::path& root) {
-  Machine machine{.os = valueIn(root / "etc/os-release", "PRETTY_NAME", '='),
-                  .kernel = {},
-                  .cpu = valueIn(root / "proc/cpuinfo", "model name", ':')};
-  if (utsname system{}; uname(&system) == 0) {
-    machine.kernel = fmt::format("{} {} {}", system.sysname, system.release, system.machine);
-  }
-  return machine;
+  return {.os = valueIn(root / "etc/os-release", "PRETTY_NAME", '='),
+          .kernel = systemName(),
+          .cpu = valueIn(root / "proc/cpuinfo", "model name", ':')};
 }
 
 std::string sha256Of(std::string_view text) {

@@ -2,7 +2,6 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -13,6 +12,7 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
 #include "haptolith/core/plain_text.h"
+#include "haptolith/core/platform/files.h"
 #include "haptolith/study/protocol/form.h"
 #include "haptolith/study/store/participant_code.h"
 #include "haptolith/study/store/store_file.h"
@@ -144,7 +144,7 @@ void StudyStore::create(const fs::path& file, const StudyProtocol& protocol, std
   if (descriptor < 0) {
     throw Failure(fmt::format("cannot create {}: {}", file.string(), std::strerror(errno)));
   }
-  close(descriptor);
+  closeFile(descriptor);
   try {
     tellWhatIsWrong(file, [&] { writeNewStudy(made, protocol, protocol_text, seed); });
     giveName(made, file, IfThere::kRefuse);

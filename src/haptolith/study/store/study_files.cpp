@@ -1,8 +1,6 @@
 #include "haptolith/study/store/study_files.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -12,6 +10,7 @@
 
 #include "haptolith/core/error.h"
 #include "haptolith/core/files/atomic_file.h"
+#include "haptolith/core/platform/files.h"
 #include "haptolith/study/store/participant_code.h"
 
 namespace haptolith {
@@ -108,12 +107,8 @@ void deleteFiles(const std::vector<fs::path>& files) {
       throw Failure(fmt::format("cannot delete {}: {}", file.string(), error.message()));
     }
   }
-  if (files.empty()) {
-    return;
-  }
-  if (const int folder = open(folderOf(files.front()).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
-    fsync(folder);
-    close(folder);
+  if (!files.empty()) {
+    flushFolderToDisk(folderOf(files.front()));
   }
 }
 

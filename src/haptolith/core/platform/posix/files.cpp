@@ -1,6 +1,7 @@
 #include "haptolith/core/platform/files.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -75,6 +76,43 @@ bool closeFile(int descriptor) noexcept {
   return ::close(descriptor) == 0;
 }
 
+int copyOf(int descriptor) noexcept {
+  return fcntl(descriptor, F_DUPFD_CLOEXEC, 3);
+}
+
+int openForReading(const fs::path& path) noexcept {
+  return open(path.c_str(), O_RDONLY | O_CLOEXEC);
+}
+
+std::int64_t readAt(int descriptor, std::uint64_t offset, std::span<std::byte> into) noexcept {
+  return pread(descriptor, into.data(), into.size(), static_cast<off_t>(offset));
+}
+
+std::optional<std::uint64_t> sizeOf(int descriptor) noexcept {
+  struct stat now {};
+  return fstat(descriptor, &now) == 0 ? std::optional(static_cast<std::uint64_t>(now.st_size)) : std::nullopt;
+}
+
+bool wasRemoved(int descriptor) noexcept {
+  struct stat now {};
+  return fstat(descriptor, &now) == 0 && now.st_nlink == 0;
+}
+
+// Memory takes any write, /dev/null only from a user who may open it.
+void discardWrites(int descriptor) noexcept {
+  if (const int nowhere = memfd_create("haptolith", MFD_CLOEXEC); nowhere >= 0) {
+    dup2(nowhere, descriptor);
+    ::close(nowhere);
+  }
+}
+
+void flushFolderToDisk(const fs::path& folder) noexcept {
+  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
+    fsync(descriptor);
+    ::close(descriptor);
+  }
+}
+
 bool renameFile(const fs::path& made, const fs::path& name, bool replaces) noexcept {
   int result = renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, name.c_str(), replaces ? 0U : RENAME_NOREPLACE);
   if (result != 0 && errno == EINVAL && access(name.c_str(), F_OK) != 0) {  // a file system without NOREPLACE
@@ -83,17 +121,17 @@ bool renameFile(const fs::path& made, const fs::path& name, bool replaces) noexc
   if (result != 0) {
     return false;
   }
-  const fs::path folder = name.has_parent_path() ? name.parent_path() : fs::path(".");
-  if (const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); descriptor >= 0) {
-    fsync(descriptor);
-    ::close(descriptor);
-  }
+  flushFolderToDisk(name.has_parent_path() ? name.parent_path() : fs::path("."));
   return true;
 }
 
 std::optional<FileIdentity> identityOf(const fs::path& path) noexcept {
   struct stat status {};
   return stat(path.c_str(), &status) == 0 ? std::optional(FileIdentity{status.st_dev, status.st_ino}) : std::nullopt;
+}
+
+void makeNewFilesPrivate() noexcept {
+  umask(077);
 }
 
 fs::path cacheHome() {

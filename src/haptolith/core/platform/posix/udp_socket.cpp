@@ -1,5 +1,7 @@
 #include "haptolith/core/platform/udp_socket.h"
 
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -47,6 +49,25 @@ std::optional<std::int64_t> stampOf(const msghdr& message) noexcept {
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> hostForOthers() {
+  ifaddrs* all = nullptr;
+  if (getifaddrs(&all) != 0) {
+    return std::nullopt;
+  }
+  std::optional<std::uint32_t> found;
+  for (const ifaddrs* one = all; one != nullptr && !found; one = one->ifa_next) {
+    const bool usable = one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET &&
+                        (one->ifa_flags & IFF_UP) != 0 && (one->ifa_flags & IFF_LOOPBACK) == 0;
+    if (usable) {
+      sockaddr_in address{};
+      std::memcpy(&address, one->ifa_addr, sizeof address);
+      found = ntohl(address.sin_addr.s_addr);
+    }
+  }
+  freeifaddrs(all);
+  return found;
+}
 
 UdpSocket::~UdpSocket() {
   if (socket_ != kNone) {

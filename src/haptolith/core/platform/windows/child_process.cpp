@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <map>
 #include <system_error>
 #include <thread>
 
 #include "haptolith/core/error.h"
+#include "haptolith/core/platform/windows/command_line.h"
 #include "haptolith/core/stop_asked.h"
 
 namespace haptolith {
@@ -47,25 +47,6 @@ void requireTime(const Deadline& deadline) {
   }
 }
 
-std::wstring wide(const std::string& utf8) {
-  return std::filesystem::path(std::u8string(utf8.begin(), utf8.end())).wstring();
-}
-
-/// One argument as programs take it apart again: CommandLineToArgvW().
-std::wstring quoted(const std::wstring& argument) {
-  std::wstring text = L"\"";
-  std::size_t backslashes = 0;
-  for (const wchar_t letter : argument) {
-    if (letter == L'"') {
-      text.append(backslashes + 1, L'\\');
-    }
-    backslashes = letter == L'\\' ? backslashes + 1 : 0;
-    text += letter;
-  }
-  text.append(backslashes, L'\\');
-  return text + L'"';
-}
-
 /// Names of variables differ in more than the case of their letters.
 struct NoCase {
   bool operator()(const std::wstring& a, const std::wstring& b) const { return _wcsicmp(a.c_str(), b.c_str()) < 0; }
@@ -86,7 +67,7 @@ std::wstring environmentWith(const std::vector<std::string>& more) {
   }
   FreeEnvironmentStringsW(ours);
   for (const std::string& variable : more) {
-    add(wide(variable));
+    add(wideOf(variable));
   }
   std::wstring block;
   for (const auto& [name, value] : variables) {
@@ -197,10 +178,7 @@ ChildProcess::ChildProcess(const Command& command, const std::vector<Given>& giv
     *standard[static_cast<std::size_t>(one.number)] = handleOf(one.ours);
     SetHandleInformation(handleOf(one.ours), HANDLE_FLAG_INHERIT, HANDLE_FLAG_INHERIT);
   }
-  std::wstring line;
-  for (const std::string& argument : command.arguments) {
-    line += (line.empty() ? L"" : L" ") + quoted(wide(argument));
-  }
+  std::wstring line = commandLine(command.arguments);
   std::wstring environment = environmentWith(command.environment);
   PROCESS_INFORMATION made{};
   const bool started =

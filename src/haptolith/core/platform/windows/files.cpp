@@ -82,6 +82,42 @@ bool closeFile(int descriptor) noexcept {
   return _close(descriptor) == 0;
 }
 
+int copyOf(int descriptor) noexcept {
+  const int copy = _dup(descriptor);
+  if (copy >= 0) {
+    SetHandleInformation(reinterpret_cast<HANDLE>(_get_osfhandle(copy)), HANDLE_FLAG_INHERIT, 0);
+  }
+  return copy;
+}
+
+int openForReading(const fs::path& path) noexcept {
+  return _wopen(path.c_str(), _O_RDONLY | _O_BINARY | _O_NOINHERIT);
+}
+
+std::int64_t readAt(int descriptor, std::uint64_t offset, std::span<std::byte> into) noexcept {
+  return _lseeki64(descriptor, static_cast<std::int64_t>(offset), SEEK_SET) < 0
+             ? -1
+             : _read(descriptor, into.data(), static_cast<unsigned>(into.size()));
+}
+
+std::optional<std::uint64_t> sizeOf(int descriptor) noexcept {
+  const std::int64_t size = _filelengthi64(descriptor);
+  return size >= 0 ? std::optional(static_cast<std::uint64_t>(size)) : std::nullopt;
+}
+
+bool wasRemoved(int /*descriptor*/) noexcept {
+  return false;
+}
+
+void discardWrites(int descriptor) noexcept {
+  if (const int nowhere = _wopen(L"NUL", _O_RDWR | _O_BINARY | _O_NOINHERIT); nowhere >= 0) {
+    _dup2(nowhere, descriptor);
+    _close(nowhere);
+  }
+}
+
+void flushFolderToDisk(const fs::path& /*folder*/) noexcept {}  // renameFile() waits instead
+
 bool renameFile(const fs::path& made, const fs::path& name, bool replaces) noexcept {
   const DWORD flags = MOVEFILE_WRITE_THROUGH | (replaces ? MOVEFILE_REPLACE_EXISTING : 0U);
   return MoveFileExW(made.c_str(), name.c_str(), flags) != 0 || fail(GetLastError());
@@ -99,6 +135,8 @@ std::optional<FileIdentity> identityOf(const fs::path& path) noexcept {
   const std::uint64_t number = std::uint64_t{info.nFileIndexHigh} << 32U | info.nFileIndexLow;
   return known ? std::optional(FileIdentity{info.dwVolumeSerialNumber, number}) : std::nullopt;
 }
+
+void makeNewFilesPrivate() noexcept {}
 
 fs::path cacheHome() {
   return folderIn(L"LOCALAPPDATA");

@@ -1,7 +1,11 @@
 #include "haptolith/core/platform/udp_socket.h"
 
+#include <iphlpapi.h>
 #include <mswsock.h>
 #include <winsock2.h>
+
+#include <cstddef>
+#include <vector>
 
 namespace haptolith {
 
@@ -31,6 +35,30 @@ bool passes(int error) noexcept {
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> hostForOthers() {
+  constexpr ULONG kFlags = GAA_FLAG_SKIP_ANYCAST | GAA_FLAG_SKIP_MULTICAST | GAA_FLAG_SKIP_DNS_SERVER;
+  ULONG size = 16384;
+  std::vector<std::byte> bytes(size);
+  const auto get = [&] {
+    return GetAdaptersAddresses(AF_INET, kFlags, nullptr, reinterpret_cast<IP_ADAPTER_ADDRESSES*>(bytes.data()), &size);
+  };
+  ULONG result = get();
+  if (result == ERROR_BUFFER_OVERFLOW) {
+    bytes.resize(size);
+    result = get();
+  }
+  if (result != NO_ERROR) {
+    return std::nullopt;
+  }
+  for (auto* one = reinterpret_cast<const IP_ADAPTER_ADDRESSES*>(bytes.data()); one != nullptr; one = one->Next) {
+    const auto* address = one->FirstUnicastAddress;
+    if (one->OperStatus == IfOperStatusUp && one->IfType != IF_TYPE_SOFTWARE_LOOPBACK && address != nullptr) {
+      return ntohl(reinterpret_cast<const sockaddr_in*>(address->Address.lpSockaddr)->sin_addr.s_addr);
+    }
+  }
+  return std::nullopt;
+}
 
 UdpSocket::~UdpSocket() {
   if (socket_ != kNone) {
