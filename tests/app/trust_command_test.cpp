@@ -95,5 +95,26 @@ TEST_F(TrustCommand, RefusesNonsense) {
   EXPECT_EQ(runHaptolith("trust icra2021 --set hand.home_mm=[5000,0,85]").exit_status, 1);
 }
 
+TEST_F(TrustCommand, ABandTestGoesOnFromSavedScenes) {
+  fs::create_directories(folder_ / "band/results");
+  const std::string version = runHaptolith("version").output;
+  std::ofstream(folder_ / "band/conditions.json")
+      << Json{{"force_band", version.substr(0, version.find('\n'))}, {"simd", "SCALAR"}}.dump();
+  const auto window = [](double reference_n) {
+    return Json{{"force_n", 2.7}, {"contacts", 3.4}, {"particle_n", 0.08}, {"reference_n", reference_n}};
+  };
+  std::ofstream(folder_ / "band/results/scene-450.json") << Json{{"windows", {window(3), window(9)}}}.dump();
+  const std::string command = "HAPTOLITH_SIMD=SCALAR \"$HAPTOLITH\" lab force-band --scenes 1 --resume --json --out ";
+  const ProgramResult told = runInShell(command + path("band"));
+  ASSERT_EQ(told.exit_status, 0) << told.errors;
+  EXPECT_EQ(Json::parse(told.output).at("windows"), 2);
+  EXPECT_EQ(Json::parse(told.output).at("held"), 0.5) << "1.8 to 3.8 N is in the band";
+
+  std::ofstream(folder_ / "band/results/scene-450.json") << R"({"windows": [{"force_n": 1}]})";
+  const ProgramResult damaged = runInShell(command + path("band"));
+  EXPECT_EQ(damaged.exit_status, 1);
+  EXPECT_THAT(damaged.errors, AllOf(HasSubstr("scene-450.json"), HasSubstr("contacts"), HasSubstr("--resume repeats")));
+}
+
 }  // namespace
 }  // namespace haptolith

@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <string>
 
 #include "haptolith/core/platform/descriptor.h"
 #include "haptolith/core/platform/files.h"
 #include "haptolith/core/platform/locks.h"
+#include "haptolith/core/platform/this_program.h"
 
 namespace haptolith {
 namespace {
@@ -100,6 +102,65 @@ TEST_F(PlatformFiles, AFolderIsHeldByOneAtATime) {
   }
   EXPECT_TRUE(FolderLock(folder_).held());
   EXPECT_ANY_THROW(FolderLock(folder_ / "nothing"));
+}
+
+TEST_F(PlatformFiles, AnOpenFileIsReadAtAnyPlace) {
+  const Descriptor file(openForReading(write("file", "0123456789")));
+  std::array<char, 4> bytes{};
+  EXPECT_EQ(sizeOf(file.number()), 10U);
+  EXPECT_EQ(readAt(file.number(), 3, std::as_writable_bytes(std::span(bytes))), 4);
+  EXPECT_EQ(std::string(bytes.data(), 4), "3456");
+  EXPECT_EQ(readAt(file.number(), 8, std::as_writable_bytes(std::span(bytes))), 2) << "two are left";
+  EXPECT_EQ(readAt(file.number(), 20, std::as_writable_bytes(std::span(bytes))), 0);
+  EXPECT_EQ(openForReading(folder_ / "nothing"), -1);
+  EXPECT_EQ(errno, ENOENT);
+}
+
+TEST_F(PlatformFiles, DiscardedWritesSucceedAndReachNothing) {
+  const Descriptor file(createNewFile(folder_ / "file", false));
+  EXPECT_TRUE(writeBytes(file.number(), "kept"));
+  discardWrites(file.number());
+  EXPECT_TRUE(writeBytes(file.number(), "lost"));
+  EXPECT_EQ(read(folder_ / "file"), "kept");
+}
+
+TEST_F(PlatformFiles, AFileThatWasRemovedIsKnown) {
+  const Descriptor file(openForReading(write("file", "text")));
+  EXPECT_FALSE(wasRemoved(file.number()));
+  if (kOpenFilesCanBeRenamed) {
+    fs::remove(folder_ / "file");
+    EXPECT_TRUE(wasRemoved(file.number()));
+  }
+}
+
+TEST_F(PlatformFiles, AFileIsHeldByOneAtATimeWhoIsKnown) {
+  const fs::path path = folder_ / "file-lock";
+  {
+    const FileLock lock(path);
+    EXPECT_TRUE(lock.held());
+    const FileLock other(path);
+    EXPECT_FALSE(other.held());
+    EXPECT_EQ(other.holder(), std::to_string(processNumber()));
+  }
+  EXPECT_TRUE(FileLock(path).held());
+  EXPECT_ANY_THROW(FileLock(folder_ / "nothing" / "file-lock"));
+}
+
+TEST(ThisProgram, KnowsItsMachineAndOtherPrograms) {
+  EXPECT_GT(processNumber(), 0);
+  EXPECT_THAT(systemName(), testing::ContainsRegex("^(Linux|Windows) [0-9]"));
+  EXPECT_FALSE(hostName().empty());
+  EXPECT_THAT(programFile().filename().string(), testing::HasSubstr("test_core"));
+  EXPECT_TRUE(isProgram(programFile()));
+  EXPECT_FALSE(isProgram(programFile().parent_path() / "nothing"));
+  EXPECT_TRUE(programInPath("no-program-has-this-name").empty());
+  EXPECT_FALSE(programInPath(programFileName("sh") == "sh" ? "sh" : "cmd").empty());
+  EXPECT_GE(raiseFileLimit(64), 64U);
+}
+
+TEST(ThisProgram, PassesOnItsArguments) {
+  const std::array<const char*, 2> arguments{"haptolith", "größe=2"};
+  EXPECT_THAT(programArguments(2, arguments.data()), testing::ElementsAre("haptolith", "größe=2"));
 }
 
 }  // namespace
