@@ -82,7 +82,7 @@ Stones::Stones(const BedParameters& bed, double skin_m, std::vector<std::shared_
     const std::size_t most_packs = most_near / kGroup + GrainClasses::kMost;
     memory.packs.reserve(most_packs);
     memory.spheres.reserve(most_packs * shape.spheres.size());
-    memory.near.reserve(most_near);
+    memory.candidates.reserve(most_near);
     memory.near_now.resize((shape.spheres.size() + kSphereBits - 1) / kSphereBits);
     memory.before.reserve(most_near);
     memory.groups.reserve(most_near);
@@ -573,7 +573,7 @@ std::size_t Stones::bytes() const noexcept {
   for (const Memory& memory : memory_) {
     bytes += memory.packs.capacity() * sizeof(StonePack) + memory.before.capacity() * sizeof(Slid) +
              memory.spheres.capacity() * sizeof(std::uint16_t) + memory.near_now.size() * sizeof(std::uint64_t) +
-             (memory.near.capacity() + memory.groups.capacity()) * sizeof(std::uint32_t) +
+             (memory.candidates.capacity() + memory.groups.capacity()) * sizeof(std::uint32_t) +
              memory.pushes.capacity() * sizeof(Push) +
              (memory.stones.capacity() + memory.stones_before.capacity()) * sizeof(NearStone) +
              memory.pairs.capacity() * sizeof(Pair) + memory.walls.size() * sizeof(memory.walls[0]);

@@ -156,12 +156,12 @@ class Stones {
     Stretch force_n;
   };
   struct Memory {
-    std::vector<StonePack> packs;         ///< particles that may touch it before the next rebuild
-    std::vector<std::uint16_t> spheres;   ///< numbers that the packs refer to
-    std::vector<std::uint32_t> near;      ///< room for looking: particles
-    std::vector<std::uint64_t> near_now;  ///< and a bit for each sphere
-    std::vector<Slid> before;             ///< slips of a saved state until the first rebuild, and room for them
-    std::vector<std::uint32_t> groups;    ///< groups of the particles, each once
+    std::vector<StonePack> packs;           ///< particles that may touch it before the next rebuild
+    std::vector<std::uint16_t> spheres;     ///< numbers that the packs refer to
+    std::vector<std::uint32_t> candidates;  ///< room for looking: particles
+    std::vector<std::uint64_t> near_now;    ///< and a bit for each sphere
+    std::vector<Slid> before;               ///< slips of a saved state until the first rebuild, and room for them
+    std::vector<std::uint32_t> groups;      ///< groups of the particles, each once
     std::vector<Pair> pairs;
     std::vector<NearStone> stones, stones_before;
     std::vector<std::array<std::array<float, 3>, 3>> walls;  ///< slip of each sphere on the floor, an x and a y wall

@@ -38,7 +38,7 @@ bool Stones::lookForParticles(std::size_t stone, const SoilAroundStones& soil) n
 /// Lists particles near the sphere around the stone, class by class.
 void Stones::listCandidates(std::size_t stone, const SoilAroundStones& soil) noexcept {
   Memory& memory = memory_[stone];
-  memory.near.clear();
+  memory.candidates.clear();
   const double reach_m = shapes_[stone]->reach_m + with_soil_[stone][0].law.reach() + margin();
   const double grain_m = (1 + soil_.size_spread) * soil_.radius_m;
   const Vec3& middle = state_.stones[stone].scene_T_stone.position_m;
@@ -52,13 +52,13 @@ void Stones::listCandidates(std::size_t stone, const SoilAroundStones& soil) noe
     const Float4& at = soil.state.position[static_cast<std::size_t>(particle)];
     const double far_m = reach_m + soil_.radius_m + at.w;
     if ((placeOf(at) - middle).squaredNorm() <= far_m * far_m) {
-      memory.has_room = memory.has_room && memory.near.size() < memory.near.capacity();
+      memory.has_room = memory.has_room && memory.candidates.size() < memory.candidates.capacity();
       if (memory.has_room) {
-        memory.near.push_back(static_cast<std::uint32_t>(particle));
+        memory.candidates.push_back(static_cast<std::uint32_t>(particle));
       }
     }
   });
-  std::ranges::sort(memory.near, {}, [&](std::uint32_t particle) {
+  std::ranges::sort(memory.candidates, {}, [&](std::uint32_t particle) {
     return std::pair(classes_.of(soil.state.position[particle].w), particle);
   });
 }
@@ -85,7 +85,7 @@ bool Stones::packUp(std::size_t stone, const BedState& soil) noexcept {
     pack.sphere_count = static_cast<std::uint32_t>(memory.spheres.size()) - pack.first_sphere;
     std::ranges::fill(memory.near_now, std::uint64_t{0});
   };
-  for (const std::uint32_t particle : memory.near) {
+  for (const std::uint32_t particle : memory.candidates) {
     const Float4& at = soil.position[particle];
     const Vec3 place = inFrame(rotation, placeOf(at) - middle);
     const auto x = static_cast<float>(place.x());

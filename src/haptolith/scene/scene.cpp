@@ -107,7 +107,7 @@ void Scene::makeTools(const ToolSet& tools) {
 
 void Scene::setTool(const ToolParameters& parameters, std::size_t tool) noexcept {
   Tool& changed = at(tool);
-  changed.memory.forget(bed_.groupsNear(changed.memory.near(), changed.turnedPose().position_m, 0));
+  changed.memory.forget(bed_.groupsNear(changed.memory.nearGroups(), changed.turnedPose().position_m, 0));
   changed.parameters = parameters;
   changed.joint = Tool::atStart(parameters);
   changed.opening_m = changed.opening * parameters.opening_m;

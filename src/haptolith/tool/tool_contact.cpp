@@ -434,7 +434,7 @@ ToolReaction applyToolContact(const ToolParameters& tool, const Pose& scene_T_to
                               Bed& bed, ToolMemory& memory, double opening_m_s) noexcept {
   Encounter encounter(tool, scene_T_tool, twist, opening_m_s, bed.parameters().soil, bed.classes(), dt_s);
   const ParticleMemory particles = memory.particles();
-  for (const std::uint32_t group : bed.groupsNear(memory.near(), scene_T_tool.position_m, encounter.reach())) {
+  for (const std::uint32_t group : bed.groupsNear(memory.nearGroups(), scene_T_tool.position_m, encounter.reach())) {
     const std::size_t first = group * kGroup;
     Encounter::Forces forces;
     if (encounter.meet(first, std::min(first + kGroup, bed.particles()), bed.state(), particles, forces)) {

@@ -49,7 +49,7 @@ class ToolMemory {
 
   [[nodiscard]] ParticleMemory particles() noexcept { return {side_, slip_}; }
   [[nodiscard]] std::span<SphereMemory> stone(std::size_t stone) noexcept { return stones_[stone]; }
-  [[nodiscard]] NearGroups& near() noexcept { return near_; }
+  [[nodiscard]] NearGroups& nearGroups() noexcept { return near_; }
   /// For hashes. May be called in the tick.
   [[nodiscard]] ToolTrace trace() const noexcept { return {side_, slip_}; }
 

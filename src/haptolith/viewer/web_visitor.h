@@ -209,7 +209,7 @@ class WebServer::Implementation::Visitor : public std::enable_shared_from_this<V
       return;
     }
     if (at != server_.offered.end()) {
-      file.open(at->second.c_str(), beast::file_mode::scan, fault);
+      file.open(at->second.string().c_str(), beast::file_mode::scan, fault);
     }
     if (at == server_.offered.end() || fault) {
       refuse(http::status::not_found, "there is no such recording\n");

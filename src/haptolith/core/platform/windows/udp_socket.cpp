@@ -1,8 +1,12 @@
 #include "haptolith/core/platform/udp_socket.h"
 
+// The order matters.
+// clang-format off
+#include <winsock2.h>
+#include <ws2tcpip.h>
 #include <iphlpapi.h>
 #include <mswsock.h>
-#include <winsock2.h>
+// clang-format on
 
 #include <cstddef>
 #include <vector>
