@@ -21,7 +21,7 @@ sys.path.insert(0, str(SOURCE / "docs/make"))
 sys.dont_write_bytecode = True
 from make_manual import items_of  # noqa: E402  # pylint: disable=wrong-import-position
 
-NUMBERS = {"int32_t": "int", "uint32_t": "uint", "uint64_t": "ulong", "double": "double", "char": "byte", "void": "void"}
+NUMBERS = {"int32_t": "int", "uint32_t": "uint", "uint64_t": "ulong", "double": "double", "float": "float", "char": "byte", "void": "void"}
 KEYWORDS = {"in", "out", "ref", "params", "base", "object", "string", "event", "lock", "fixed", "checked", "operator"}
 
 
