@@ -17,6 +17,7 @@
 
 #include "../source_dir.h"
 #include "device.h"
+#include "struct_memory.h"
 #include "sweep.h"
 #include "use.h"
 
@@ -376,6 +377,29 @@ TEST_F(LibraryRecording, VerificationCanBeStopped) {
   const hapto_progress stops = [](void* user, const char*, double) { return ++*static_cast<int*>(user) < 2 ? 1 : 0; };
   EXPECT_EQ(hapto_recording_verify(recording.get(), 0, stops, &told, &report), HAPTO_STOPPED);
   EXPECT_EQ(told, 2);
+}
+
+TEST_F(LibraryRecording, FillsInStructsOfOlderAndNewerVersions) {
+  const ScenePtr scene = sceneOf(kIcra2021);
+  OwnDevice own;
+  const hapto_device device = own.handle(true);
+  const LoopPtr loop = loopOf(scene.get(), &device);
+  const RecorderPtr recorder = recorderOf(loop.get(), file("run.h5"));
+  tick(loop.get(), 120);
+  expectOk(hapto_recorder_finish(recorder.get()));
+  const RecordingPtr recording = recordingOf(file("run.h5"));
+  expectFilledIn<hapto_recorder_info>("hapto_recorder_info", 56, [&](hapto_recorder_info* out) {
+    return hapto_recorder_get_info(recorder.get(), out);
+  });
+  expectFilledIn<hapto_recording_info>("hapto_recording_info", 56, [&](hapto_recording_info* out) {
+    return hapto_recording_get_info(recording.get(), out);
+  });
+  expectFilledIn<hapto_recorded_frame>("hapto_recorded_frame", 32, [&](hapto_recorded_frame* out) {
+    return hapto_recording_read_frame(recording.get(), 0, out, nullptr, 0);
+  });
+  expectFilledIn<hapto_replay_report>("hapto_replay_report", 56, [&](hapto_replay_report* out) {
+    return hapto_recording_verify(recording.get(), 0, nullptr, nullptr, out);
+  });
 }
 
 TEST_F(LibraryRecording, EveryFunctionGivesAStatusForEveryWrongHandle) {
