@@ -11,11 +11,11 @@ foreach(file ${files})
   string(APPEND symbols
 "// ${digest}
 __asm__(
-    \".pushsection .rodata\\n\"
+    HAPTOLITH_BEGIN
     \"haptolith_web_${number}: .incbin \\\"${DIST}/${file}\\\"\\n\"
     \"haptolith_web_${number}_end: .byte 0\\n\"
     \".globl haptolith_web_${number}, haptolith_web_${number}_end\\n\"
-    \".popsection\\n\");
+    HAPTOLITH_END);
 extern \"C\" const char haptolith_web_${number}[], haptolith_web_${number}_end[];
 ")
   string(APPEND entries
@@ -28,6 +28,14 @@ file(WRITE ${OUTPUT}
 #include \"haptolith/viewer/web_files.h\"
 
 #include <cstddef>
+
+#ifdef _WIN32
+#define HAPTOLITH_BEGIN \".section .rdata,\\\"dr\\\"\\n\"
+#define HAPTOLITH_END \".text\\n\"
+#else
+#define HAPTOLITH_BEGIN \".pushsection .rodata\\n\"
+#define HAPTOLITH_END \".popsection\\n\"
+#endif
 
 ${symbols}
 namespace haptolith {

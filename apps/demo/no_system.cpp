@@ -1,13 +1,7 @@
 // Stubs for features that a browser lacks: devices, other processors, other instruction sets.
 
 #include <hwy/highway.h>
-#include <pthread.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/random.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -19,45 +13,6 @@
 #include "haptolith/core/error.h"
 #include "haptolith/core/math/arithmetic-inl.h"
 #include "haptolith/device/drivers/open_device.h"
-
-// Linux functions missing in emscripten's C library. They are optional here, so they may fail.
-extern "C" {
-
-int pthread_setaffinity_np(pthread_t /*thread*/, size_t /*size*/, const cpu_set_t* /*cpus*/) {
-  return ENOSYS;
-}
-
-int pthread_getaffinity_np(pthread_t /*thread*/, size_t /*size*/, cpu_set_t* /*cpus*/) {
-  return ENOSYS;
-}
-
-int __sched_cpucount(size_t /*size*/, const cpu_set_t* /*cpus*/) {  // NOLINT: the C library's name, behind CPU_COUNT
-  return 1;
-}
-
-int pthread_getschedparam(pthread_t /*thread*/, int* /*policy*/, sched_param* /*parameters*/) {
-  return ENOSYS;
-}
-
-int pthread_setschedparam(pthread_t /*thread*/, int /*policy*/, const sched_param* /*parameters*/) {
-  return ENOSYS;
-}
-
-int prctl(int /*option*/, ...) {
-  errno = ENOSYS;
-  return -1;
-}
-
-int sigaltstack(const stack_t* __restrict /*stack*/, stack_t* __restrict /*before*/) {
-  errno = ENOSYS;
-  return -1;
-}
-
-ssize_t getrandom(void* bytes, size_t size, unsigned /*flags*/) {
-  return getentropy(bytes, size) == 0 ? static_cast<ssize_t>(size) : -1;
-}
-
-}  // extern "C"
 
 namespace haptolith {
 

@@ -7,7 +7,7 @@ linux=$source/build/release/apps/haptolith/haptolith
 folder=$(mktemp -d)
 cleanup() { WINEPREFIX=$folder/wine wineserver -k > /dev/null 2>&1 || true; rm -rf "$folder"; }
 trap cleanup EXIT
-export WINEPREFIX=$folder/wine WINEDEBUG=-all
+export WINEPREFIX=$folder/wine WINEDEBUG=-all LC_ALL=C.UTF-8
 failed=0
 
 say() { printf 'windows_program.sh: %s\n' "$*"; }
@@ -35,10 +35,10 @@ in_wine "${record[@]}" "würfel.h5" > /dev/null
 expect "its recording, on Linux" verified "$("$linux" replay "würfel.h5" --verify 2>&1)"
 "$linux" "${record[@]}" linux.h5 > /dev/null 2>&1
 expect "Linux's recording" verified "$(in_wine replay linux.h5 --verify)"
-expect "a command of the workbench" toyoura "$(in_wine lab shear --soil toyoura --help)"
+expect "a command of the workbench" "friction angle" "$(in_wine lab shear --help)"
 expect "soils" ottawa-f65 "$(in_wine soil list)"
-expect "a study" created "$(in_wine study new friction.study --protocol icra2021-friction)"
-expect "its state" "0 of" "$(in_wine study status friction.study)"
+expect "a study" "15 trials" "$(in_wine study new friction.study --protocol icra2021-friction)"
+expect "its state" "no participants yet" "$(in_wine study status friction.study)"
 
 expect "an unknown option" "haptolith: error:" "$(in_wine run --nonsense || true)"
 expect "a missing file" "no such" "$(in_wine run missing.toml || true)"

@@ -139,7 +139,7 @@ class StudyRun {
         recording_(recordingFor(options.frames_per_s, works(store_.protocol()))),
         session_(sceneFor(options, store_.protocol()), true, settlingIn(status_)),
         rig_(session_, recording_,
-             {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file, false); },
+             {.start = [this](const std::filesystem::path& file) { recording_.start(session_, file.string(), false); },
               .stop = [this] { stopRecording(); }}),
         conductor_(store_, rig_, {.now_s = &StudyRun::now, .recordings = recordings()}),
         pages_(conductor_),

@@ -85,7 +85,8 @@ WebServer::Implementation::Implementation(const WebServerOptions& options, Board
   validate(options);
   const beast::error_code error = listenAsAsked(acceptor, options);
   if (error) {
-    throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port, error.message()));
+    throw Failure(fmt::format("cannot listen on {}, port {}: {}", options.bind, options.port,
+                              error == asio::error::address_in_use ? "Address already in use" : error.message()));
   }
   const std::size_t files = filesForAll() - kFilesOfOthers;
   most_served = std::min(options.most_served, files / 4);

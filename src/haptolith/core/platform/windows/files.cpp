@@ -8,8 +8,11 @@
 #include <windows.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstdlib>
+#include <cwchar>
 
 namespace haptolith {
 
@@ -147,3 +150,57 @@ fs::path stateHome() {
 }
 
 }  // namespace haptolith
+
+/// The runtime library's own function takes bytes for letters of an old alphabet, and std::filesystem::path uses it for
+/// names: the linker puts this one in its place, which reads UTF-8. A letter that takes two wide characters is passed
+/// on in two calls, as 3 bytes and 1.
+extern "C" std::size_t __wrap_mbrtowc(wchar_t* to, const char* from, std::size_t size, mbstate_t* state) {
+  constexpr auto kMalformed = static_cast<std::size_t>(-1);
+  constexpr auto kIncomplete = static_cast<std::size_t>(-2);
+  static mbstate_t own{};
+  mbstate_t& second_half = state != nullptr ? *state : own;
+  wchar_t unused = 0;
+  wchar_t& letter = to != nullptr ? *to : unused;
+  if (from == nullptr) {
+    second_half = 0;
+    return 0;
+  }
+  if (size == 0) {
+    return kIncomplete;
+  }
+  if (second_half != 0) {
+    letter = static_cast<wchar_t>(second_half);
+    second_half = 0;
+    return 1;
+  }
+  const auto byte = [from](std::size_t i) { return static_cast<unsigned char>(from[i]); };
+  struct Length {
+    unsigned least;  ///< first byte
+    std::size_t bytes;
+  };
+  static constexpr std::array<Length, 6> kLengths{{{0xF5, 0}, {0xF0, 4}, {0xE0, 3}, {0xC2, 2}, {0x80, 0}, {0, 1}}};
+  const std::size_t bytes =
+      std::ranges::find_if(kLengths, [&](const Length& length) { return byte(0) >= length.least; })->bytes;
+  if (bytes > size) {
+    return kIncomplete;
+  }
+  constexpr std::array<unsigned, 5> kLeastCodes{0, 0, 0x80, 0x800, 0x10000};
+  unsigned code = bytes > 1 ? byte(0) & (0x7FU >> bytes) : byte(0);
+  bool well_formed = bytes > 0;
+  for (std::size_t i = 1; i < bytes; ++i) {
+    well_formed = well_formed && (byte(i) & 0xC0U) == 0x80U;
+    code = code << 6U | (byte(i) & 0x3FU);
+  }
+  if (!well_formed || code < kLeastCodes[bytes] || code > 0x10FFFF) {
+    errno = EILSEQ;
+    return kMalformed;
+  }
+  if (bytes < 4) {
+    letter = static_cast<wchar_t>(code);
+    return code == 0 ? 0 : bytes;
+  }
+  code -= 0x10000;
+  letter = static_cast<wchar_t>(0xD800U + (code >> 10U));
+  second_half = static_cast<mbstate_t>(0xDC00U + (code & 0x3FFU));
+  return 3;
+}

@@ -1,4 +1,4 @@
-// renameat2(), missing in emscripten's C library. It detects a file that another process creates at the same moment,
+// renameat2(), which emscripten's C library lacks. It detects a file that another process creates at the same moment,
 // which cannot happen here.
 #pragma once
 
