@@ -19,7 +19,7 @@ int main() try {
   double strongest_n = 0;
   for (int tick = 0; tick < 3000; ++tick) {
     // The device reports the handle's pose; this one moves into the soil and out of it.
-    const double phase = 2 * M_PI * tick / 3000;
+    const double phase = 2 * 3.14159265358979 * tick / 3000;
     told.pose.position_m[2] = surface_m + 0.02 * std::cos(phase) - 0.015 * (1 - std::cos(phase));
     if (tick == 2000) {
       told.pose.position_m[2] = NAN;  // a loose cable

@@ -44,7 +44,7 @@ int main(int argc, char **argv) try {
               replay.same == 1 ? "the same to the last bit" : replay.different);
   double strongest_n = 0;
   for (const hapto_tick &tick : recording.ticks(0, 2000)) {
-    strongest_n = std::fmax(strongest_n, tick.felt.force_n[2]);
+    strongest_n = std::fmax(strongest_n, tick.device_wrench.force_n[2]);
   }
   std::printf("the hand felt %.1f N at most\n", strongest_n);
   return replay.same == 1 && strongest_n > 0.1 ? 0 : 1;

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the C examples against the library of `./dev build windows`, runs them in Wine, and compares forces and states with those of the
+# Builds C and C++ examples against the library of `./dev build windows`, runs them in Wine, and compares forces and states with those of the
 # library built for Linux: tests/packages/windows_dll.sh. Needs `./dev build` before.
 set -euo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -26,9 +26,17 @@ for example in dig state_hash; do
   x86_64-w64-mingw32-gcc-posix -std=gnu99 -O1 -static "${headers[@]}" "$source/examples/c/$example.c" -o "$example.exe" \
     "$library/libhaptolith.dll.a" -lpthread
 done
-cp "$library/haptolith.dll" .
+for example in own_loop record; do
+  c++ -std=c++17 -O1 "${headers[@]}" "$source/examples/cpp/$example.cpp" -o "$example" -L "$source/build/release/lib" -lhaptolith_recording \
+    -lhaptolith "-Wl,-rpath,$source/build/release/lib"
+  x86_64-w64-mingw32-g++-posix -std=c++17 -O1 -static "${headers[@]}" "$source/examples/cpp/$example.cpp" -o "$example.exe" \
+    "$library/libhaptolith_recording.dll.a" "$library/libhaptolith.dll.a"
+done
+cp "$library"/haptolith*.dll .
 in_wine() { /usr/lib/wine/wine64 "$@" 2> "$folder/errors" | tr -d '\r'; }
 compare "forces of examples/c/dig.c" "$(./dig)" "$(in_wine dig.exe)"
+compare "forces of examples/cpp/own_loop.cpp" "$(./own_loop)" "$(in_wine own_loop.exe)"
+compare "recording of examples/cpp/record.cpp" "$(./record linux.h5)" "$(in_wine record.exe windows.h5)"
 for target in AVX2 SSE4 SSSE3 SCALAR; do
   export HAPTOLITH_SIMD=$target
   compare "state with $target" "$(./state_hash)" "$(in_wine state_hash.exe)"
