@@ -105,6 +105,9 @@ TEST(PortableMath, HasTheseBits) {
 
 // Against the library of C, which is right on Linux.
 TEST(PortableMath, FmaRoundsOnce) {
+#ifdef _WIN32
+  GTEST_SKIP() << "its C library rounds twice: compared on Linux, and the states of scenes on both";
+#endif
   std::mt19937 random(1);
   const auto any = [&] {
     float number = 0;

@@ -329,7 +329,7 @@ std::filesystem::path fileNamedBy(const JsonValue& uri) {
   std::filesystem::path path = name;
   const bool leads_out = std::ranges::any_of(path, [](const auto& part) { return part == ".."; });
   const bool has_scheme = text.find(':') != std::string::npos;
-  if (name.empty() || path.is_absolute() || leads_out || has_scheme || name.find('\0') != std::string::npos) {
+  if (name.empty() || path.has_root_path() || leads_out || has_scheme || name.find('\0') != std::string::npos) {
     uri.refuse(uri.given(), "the name of a file in the folder of this file, or below it");
   }
   return path;

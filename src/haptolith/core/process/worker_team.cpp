@@ -4,6 +4,7 @@
 
 #include "haptolith/core/assert.h"
 #include "haptolith/core/platform/clock.h"
+#include "haptolith/core/platform/sleep_while.h"
 #include "haptolith/core/platform/threads.h"
 
 namespace haptolith {
@@ -30,7 +31,7 @@ void waitWhile(const std::atomic<T>& value, T old, std::int64_t at_least_ns) noe
       const std::int64_t now_ns = monotonicNs();
       until_ns = until_ns == 0 ? std::max(now_ns + kLooking_ns, at_least_ns) : until_ns;
       if (now_ns >= until_ns) {
-        value.wait(old, std::memory_order_acquire);
+        sleepWhile(value, old);
       }
     }
   }
@@ -61,7 +62,7 @@ WorkerTeam::WorkerTeam(int threads) : ranges_(static_cast<std::size_t>(threads))
 WorkerTeam::~WorkerTeam() {
   stop_ = true;
   round_.fetch_add(1);
-  round_.notify_all();
+  wakeAll(round_);
   for (std::thread& thread : threads_) {
     thread.join();
   }
@@ -78,7 +79,7 @@ void WorkerTeam::expect(std::int64_t within_ns) noexcept {
   }
   expected_until_ns_.store(monotonicNs() + within_ns, std::memory_order_relaxed);
   round_.fetch_add(1, std::memory_order_release);  // a round without parts
-  round_.notify_all();
+  wakeAll(round_);
 }
 
 void WorkerTeam::run(Work work, void* context, int parts) noexcept {
@@ -102,7 +103,7 @@ void WorkerTeam::run(Work work, void* context, int parts) noexcept {
   }
   round_.store(round, std::memory_order_release);
   const std::int64_t begin_ns = monotonicNs();
-  round_.notify_all();
+  wakeAll(round_);
   workOn(round, 0);
   alone_until_ns_ = 0;
   if (unfinished_.load(std::memory_order_acquire) == 0) {
@@ -129,7 +130,7 @@ void WorkerTeam::workOn(std::uint32_t round, std::size_t own) noexcept {
       if (ticket.compare_exchange_weak(seen, seen + 1, std::memory_order_acq_rel, std::memory_order_acquire)) {
         work_(context_, static_cast<int>(seen & kPartMask), parts_);
         if (unfinished_.fetch_sub(1, std::memory_order_acq_rel) == 1) {
-          unfinished_.notify_one();
+          wakeAll(unfinished_);  // the caller of run()
         }
         seen = ticket.load(std::memory_order_acquire);
       }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "haptolith/core/platform/clock.h"
+#include "haptolith/core/platform/sleep_while.h"
 #include "haptolith/core/platform/start_thread.h"
 #include "haptolith/haptics/real_time.h"
 
@@ -16,7 +17,7 @@ Watchdog::Watchdog(HapticDevice& device, double timeout_s)
 Watchdog::~Watchdog() {
   stop();
   state_ = State::kOver;
-  state_.notify_all();
+  wakeAll(state_);
   thread_.join();
 }
 
@@ -24,13 +25,13 @@ void Watchdog::start() noexcept {
   stop();
   last_beat_ns_ = monotonicNs();
   state_ = State::kWatching;
-  state_.notify_all();
+  wakeAll(state_);
 }
 
 void Watchdog::stop() noexcept {
   if (state_ == State::kWatching) {
     state_ = State::kStopping;
-    state_.wait(State::kStopping);
+    sleepWhile(state_, State::kStopping);
   }
 }
 
@@ -54,13 +55,13 @@ void Watchdog::resumeForce() noexcept {
 void Watchdog::live() noexcept {
   (void)requestRealTime({});  // else whatever holds up the loop holds this up as well
   while (true) {
-    state_.wait(State::kIdle);
+    sleepWhile(state_, State::kIdle);
     if (state_ == State::kOver) {
       return;
     }
     watch();
     state_ = State::kIdle;
-    state_.notify_all();
+    wakeAll(state_);
   }
 }
 
