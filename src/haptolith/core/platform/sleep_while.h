@@ -11,8 +11,8 @@ void sleepWhileEqual(const void* address, const void* old, std::size_t bytes) no
 void wakeThoseAt(const void* address) noexcept;
 #endif
 
-/// Sleeps until `value` is no longer `old` and wakeAll() has told so, like std::atomic::wait(). On Windows that one of
-/// g++ 12 loses a wake-up that comes between its look at the value and its sleep, and sleeps for ever.
+/// Sleeps until `value` is no longer `old`, like std::atomic::wait(); whoever changes it calls wakeAll(). On Windows,
+/// std::atomic::wait() of g++ 12 misses a wake-up between its last test of the value and its sleep, and never returns.
 template <class T>
 void sleepWhile(const std::atomic<T>& value, T old) noexcept {
 #ifdef _WIN32
