@@ -11,8 +11,9 @@ void sleepWhileEqual(const void* address, const void* old, std::size_t bytes) no
 void wakeThoseAt(const void* address) noexcept;
 #endif
 
-/// Sleeps until `value` is no longer `old`, like std::atomic::wait(); whoever changes it calls wakeAll(). On Windows,
-/// std::atomic::wait() of g++ 12 misses a wake-up between its last test of the value and its sleep, and never returns.
+/// Sleeps until `value` is no longer `old`, like std::atomic::wait(); the thread that changes it calls wakeAll(). On
+/// Windows, std::atomic::wait() of g++ 12 misses a wake-up between its last test of the value and its sleep, and never
+/// returns.
 template <class T>
 void sleepWhile(const std::atomic<T>& value, T old) noexcept {
 #ifdef _WIN32
