@@ -105,10 +105,10 @@ TEST_F(TrustCommand, ABandTestGoesOnFromSavedScenes) {
   };
   std::ofstream(folder_ / "band/results/scene-450.json") << Json{{"windows", {window(3), window(9)}}}.dump();
   const std::string command = "HAPTOLITH_SIMD=SCALAR \"$HAPTOLITH\" lab force-band --scenes 1 --resume --json --out ";
-  const ProgramResult told = runInShell(command + path("band"));
-  ASSERT_EQ(told.exit_status, 0) << told.errors;
-  EXPECT_EQ(Json::parse(told.output).at("windows"), 2);
-  EXPECT_EQ(Json::parse(told.output).at("held"), 0.5) << "1.8 to 3.8 N is in the band";
+  const ProgramResult resumed = runInShell(command + path("band"));
+  ASSERT_EQ(resumed.exit_status, 0) << resumed.errors;
+  EXPECT_EQ(Json::parse(resumed.output).at("windows"), 2);
+  EXPECT_EQ(Json::parse(resumed.output).at("held"), 0.5) << "the band is 1.8 to 3.8 N";
 
   std::ofstream(folder_ / "band/results/scene-450.json") << R"({"windows": [{"force_n": 1}]})";
   const ProgramResult damaged = runInShell(command + path("band"));

@@ -175,8 +175,8 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
     all_.insert(all_.end(), {&reports_, &site_});
   }
   try {
-    if (making == path_) {
-      fs::remove(path_);  // as requireFree() allows
+    if (std::error_code ignored; making == path_ && overwrite) {
+      fs::remove(path_, ignored);
     }
     file_ = createFile(making);
     writeHeader(file_, header);
@@ -220,9 +220,11 @@ RecordingFile::RecordingFile(fs::path path, const RecordingHeader& header, bool 
     }
     rememberOutput(path_);
   } catch (const std::exception& error) {
+    const bool created = file_.id() >= 0;
     abandon();
-    std::error_code ignored;
-    fs::remove(making, ignored);
+    if (std::error_code ignored; created) {  // else the file of that name is not ours
+      fs::remove(making, ignored);
+    }
     throw Failure(fmt::format("cannot record to {}: {}", path_.string(), error.what()));
   }
 }

@@ -24,7 +24,7 @@ namespace haptolith {
 /// a program, waits for the other and ends with its exit status. @throws Failure when it cannot be started.
 [[noreturn]] void becomeProgram(const std::filesystem::path& file, const std::vector<std::string>& arguments);
 
-/// A program in the folders of PATH; empty if there is none. @param name  without ".exe"
+/// Path of a program in the folders of PATH; empty if none has it. @param name  without ".exe"
 [[nodiscard]] std::filesystem::path programInPath(const std::string& name);
 
 /// Whether the file exists and this user may run it.

@@ -44,7 +44,7 @@ FileLock::FileLock(const std::filesystem::path& file)
   }
   const std::string process = std::to_string(getpid());
   // For messages only; a failed write is ignored.
-  [[maybe_unused]] const bool told =
+  [[maybe_unused]] const bool written =
       ftruncate(descriptor, 0) == 0 && pwrite(descriptor, process.data(), process.size(), 0) > 0;
 }
 

@@ -49,7 +49,7 @@ FileLock::FileLock(const std::filesystem::path& file) {
   }
   const std::string process = std::to_string(_getpid());
   // For messages only; a failed write is ignored.
-  [[maybe_unused]] const bool told = _chsize_s(descriptor, 0) == 0 && writeBytes(descriptor, process);
+  [[maybe_unused]] const bool written = _chsize_s(descriptor, 0) == 0 && writeBytes(descriptor, process);
 }
 
 }  // namespace haptolith
